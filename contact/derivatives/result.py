@@ -33,6 +33,7 @@ from contact.derivatives.functionals import Functionals, Weighted
 from contact.derivatives.heights import by_heights
 from contact.derivatives.linear import Change, Linearized
 from contact.derivatives.numbers import Numbers, Value
+from contact.derivatives.pull_off import PullOffRates
 from contact.errors import SceneError
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import FullFields
@@ -245,7 +246,8 @@ class Sensitivity(sie.Kept):
         Parameters
         ----------
         number : str
-            See `Response.of`.
+            See `Response.of`; or "pull_off", the load of `Solution.pull_off`, under a law of
+            adhesion without range.
         to : str
             The name of the data as in a scene file: "profile.amplitude", "material.E_star",
             "law.work_of_adhesion", "control.load". An array such as "profile.cosine" has an array
@@ -263,12 +265,17 @@ class Sensitivity(sie.Kept):
         name, index = _parted(to)
         one_of("to", name, self.keys)
         value = self._value(name)
+        if number == "pull_off" and (index is not None or np.ndim(value) == 0):
+            return Derivative(*self._of_pull_off(name, index))
         if index is not None or np.ndim(value) == 0:
             return self.by(to).of(number)
         table, _, key = name.partition(".")
         scene = self.solution.scene
         if key == "height" and isinstance(scene.profile, Sampled):
             return self.to_heights(number)
+        if number == "pull_off":
+            pairs = np.array([self._of_pull_off(name, k) for k in range(len(value))])
+            return Derivative(pairs[:, 0], pairs[:, 1])
         if table in scene.profile.bodies and self._adjoint and number not in TABLES:
             return self._by_array(number, table, key)
         found = [self.by(f"{name}[{k}]").of(number) for k in range(len(value))]
@@ -449,12 +456,18 @@ class Sensitivity(sie.Kept):
             return self._by_law(key)
         if key == "period" and scene.period is not None:
             return self._by_period()
+        direction, error = self._direction(name, index)
+        change = self.linearized.along(direction)
+        errors = change.errors + abs(change.values) * (TOLERANCES.margin * error)
+        return self._response(replace(change, errors=errors))
+
+    def _direction(self, name: str, index: int | None) -> tuple[Direction, float]:
+        """The change of the profile by one of its parameters, and its relative error."""
+        table, _, key = name.partition(".")
+        profile = self.solution.scene.profile
         try:
-            x = places_of(scene.profile, self.solution.zones)
-            direction, error = Direction.by_parameter(
-                scene.profile, Parameter(table, key, index), x
-            )
-            change = self.linearized.along(direction)
+            x = places_of(profile, self.solution.zones)
+            return Direction.by_parameter(profile, Parameter(table, key, index), x)
         except MovedPlaces:
             raise SceneError(
                 f"{name}: it moves corners, kinks or jumps of the profile, and derivatives by "
@@ -462,8 +475,45 @@ class Sensitivity(sie.Kept):
                 "to",
                 name,
             ) from None
-        errors = change.errors + abs(change.values) * (TOLERANCES.margin * error)
-        return self._response(replace(change, errors=errors))
+
+    def _of_pull_off(self, name: str, index: int | None) -> tuple[float, float]:
+        """(derivative, error) of the pull-off load; no value of the control changes it."""
+        table, _, key = name.partition(".")
+        scene, rates = self.solution.scene, self._pull_off
+        if table == "control":
+            return 0.0, 0.0
+        if table in scene.profile.bodies and not (key == "period" and scene.period):
+            return rates.along(self._direction(name, index)[0])
+        # The load is homogeneous of degree one in E* and K.
+        itself, error = rates.along(Direction.itself(scene.profile))
+        by_intensity = rates.load - itself
+        if table == "law":
+            power = self._intensity_rate(name)
+            return power * by_intensity, abs(power) * error
+        if name == MODULUS:
+            power = self._intensity_rate(name)
+            return itself / scene.E_star + power * by_intensity, 2 * error / scene.E_star
+        assert scene.period is not None
+        stretched, more = rates.along(Direction.by_period(scene.profile))
+        return (stretched + 0.5 * by_intensity) / scene.period, (more + error) / scene.period
+
+    @cached_property
+    def _pull_off(self) -> PullOffRates:
+        return PullOffRates(self.solution)
+
+    def _intensity_rate(self, name: str) -> float:
+        """Derivative of ln K by the modulus or a parameter of the law; 0 without adhesion."""
+        law, E_star = self.solution.scene.law, self.solution.scene.E_star
+        if not self._adheres():
+            return 0.0
+        value, key = float(self._value(name)), name.partition(".")[2]
+
+        def intensity(at: float) -> float:
+            if name == MODULUS:
+                return law.intensity(at)
+            return float(remade(law, {key: at}).intensity(E_star))
+
+        return _difference(intensity, value, STEP * abs(value)) / law.intensity(E_star)
 
     @cached_property
     def _itself(self) -> Change:
@@ -499,10 +549,7 @@ class Sensitivity(sie.Kept):
     def _by_modulus(self) -> Change:
         scene, change = self.solution.scene, self._modulus_alone
         if self._adheres():
-            step = STEP * scene.E_star
-            rate = _difference(scene.law.intensity, scene.E_star, step)
-            power = scene.E_star * rate / scene.law.intensity(scene.E_star)
-            change = change.plus(self._intensity, power)
+            change = change.plus(self._intensity, scene.E_star * self._intensity_rate(MODULUS))
         return change.times(1.0 / scene.E_star)
 
     def _by_control(self, key: str) -> Response:
@@ -522,25 +569,18 @@ class Sensitivity(sie.Kept):
         return self._response(nothing, (other.value - held.value) / control.value)
 
     def _by_law(self, key: str) -> Response:
-        law, E_star = self.solution.scene.law, self.solution.scene.E_star
+        law = self.solution.scene.law
         value = float(getattr(law, key))
-        step = STEP * abs(value)
-
-        def other(at: float) -> Any:
-            return remade(law, {key: at})
-
-        if law.kappa != other(value + step).kappa:
+        if law.kappa != remade(law, {key: value * (1 + STEP)}).kappa:
             raise SceneError(
                 f"law.{key}: it changes the pressure of bodies that differ elastically, and "
                 "derivatives by it are not known: use differences of solutions",
                 "to",
                 f"law.{key}",
             )
-        nothing = self.linearized.by_load.times(0.0)
         if not self._adheres():
-            return self._response(nothing)
-        rate = _difference(lambda at: other(at).intensity(E_star), value, step)
-        return self._response(self._intensity.times(rate / law.intensity(E_star)))
+            return self._response(self.linearized.by_load.times(0.0))
+        return self._response(self._intensity.times(self._intensity_rate(f"law.{key}")))
 
     def _by_period(self) -> Response:
         scene = self.solution.scene

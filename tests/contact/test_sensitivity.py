@@ -331,3 +331,44 @@ def test_arrays_of_coefficients_have_the_derivatives_of_their_entries() -> None:
     adhesive = contact.sensitivity(contact.solve(ROUTES["adhesion"][0]))
     with pytest.raises(contact.SceneError, match="no heights"):
         adhesive.to_heights("max_pressure")
+
+
+def test_pull_off_of_a_cylinder_has_the_powers_of_its_closed_form() -> None:
+    """P = -3 (pi E* w^2 R / 16)^(1/3) (M. Barquins, J. Adhesion 26, 1988, 1)."""
+    scene = Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(), law=contact.JKR(0.05), load=0.0)
+    by = contact.sensitivity(contact.solve(scene, 1e-10))
+    load = by.solution.pull_off.load
+    for to, size, power in (
+        ("profile.radius", 1e-3, 1 / 3),
+        ("law.work", 0.05, 2 / 3),
+        ("material.E_star", 1e9, 1 / 3),
+        ("control.load", 1.0, 0.0),
+    ):
+        found = by.of("pull_off", to)
+        assert abs(found.value * size / load - power) <= 1e-9
+        assert abs(found.value * size - power * load) <= found.error * size + 1e-12 * abs(load)
+    free = contact.sensitivity(contact.solve(replace(scene, law=contact.Frictionless(), load=1.0)))
+    with pytest.raises(contact.SceneError, match="pull-off"):
+        free.of("pull_off", "profile.radius")
+
+
+@pytest.mark.slow
+def test_pull_off_of_a_texture_has_the_derivatives_of_differences() -> None:
+    def scene(factor: float, to: str) -> Scene:
+        of = {name: factor if name == to else 1.0 for name in ("wave", "period", "work")}
+        wave = contact.Fourier(1e-4 * of["period"], [-1e-6, 2e-7 * of["wave"]], [1e-7, 3e-7])
+        law = contact.JKR(0.02 * of["work"])
+        return periodic(wave, law=law, mean_pressure=2e7)
+
+    by = contact.sensitivity(contact.solve(scene(1.0, ""), 1e-10))
+    for to, key, size in (
+        ("wave", "profile.cosine[1]", 2e-7),
+        ("period", "profile.period", 1e-4),
+        ("work", "law.work", 0.02),
+    ):
+        total = 0.0
+        for k, weight in enumerate((3 / 4, -3 / 20, 1 / 60), 1):
+            for sign in (1.0, -1.0):
+                other = contact.solve(scene(1 + 2e-3 * sign * k, to), 1e-10)
+                total += sign * weight / 2e-3 * other.pull_off.load
+        assert np.isclose(by.of("pull_off", key).value * size, total, rtol=1e-7)

@@ -1,0 +1,102 @@
+"""Derivatives of the pull-off load under edge intensities that a law prescribes.
+
+At pull-off the load P is least along the branch: some motion x of the ends leaves the intensities
+as they are, M x = 0, with the derivatives M of intensities by motions. Let y M = 0. If the profile
+changes, the intensities on the present zones change by k_f, and by k_P for a unit of load. The ends
+can restore them only if y (k_f + k_P dP) = 0, which is the change dP of the pull-off load.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+import sie
+from contact.derivatives.rates import changed, held
+from contact.errors import SceneError
+from contact.formulation.controls import Load
+from contact.formulation.fields import ZoneFields
+from contact.formulation.tolerances import TOLERANCES
+from contact.model.controls import Quantity
+from contact.model.profiles.base import Profile
+from contact.model.profiles.noise import EPS
+from contact.solution.solution import Solution
+from sie import Array
+
+
+class Fold(NamedTuple):
+    """Zones at or near pull-off: null vectors of M, y M x, k_P, and the zones."""
+
+    zones: sie.Zones
+    left: Array
+    right: Array
+    rest: float
+    by_load: Array
+
+
+class PullOffRates(sie.Kept):
+    """The derivatives of the pull-off load of one solution."""
+
+    def __init__(self, solution: Solution) -> None:
+        scene, fields = solution.scene, solution.fields
+        held_quantity = scene.control_object.held(scene)
+        if held_quantity is None or held_quantity.quantity is not Quantity.LOAD:
+            raise SceneError(
+                "derivatives of the pull-off are known under a given load or mean pressure",
+                "number",
+                "pull_off",
+            )
+        last = solution.pull_off
+        if last is None or not isinstance(fields, ZoneFields):
+            raise SceneError("this contact has no pull-off", "number", "pull_off")
+        self.problem, self.load = fields.problem, last.load
+        if self.problem.corners != (-np.inf, np.inf):
+            raise SceneError(
+                "derivatives of the pull-off are not known between sharp corners",
+                "number",
+                "pull_off",
+            )
+        self._table = np.asarray(self.problem.units.scaled(last.zones))
+        self.relative = solution.error
+
+    def _fold(self, moved: Array) -> Fold:
+        """The null vectors on the zones of pull-off, with ends moved outward (2, n)."""
+        problem = self.problem
+        zones = sie.Zones.of(self._table, problem.end, problem.end).moved(moved)
+        load = Load(self.load / problem.units.load)
+        state = sie.solve_zones(problem.equation(load), zones, TOLERANCES.rounding).whole
+        matrix = sie.end_rates(state).intensities
+        left, _, right = np.linalg.svd(matrix)
+        y, x = left[:, -1], right[-1]
+        by_load = np.concatenate(state.response(state.values()).intensities)
+        return Fold(zones, y, x, float(y @ matrix @ x), by_load)
+
+    @cached_property
+    def _folds(self) -> tuple[Fold, Fold, float]:
+        """At pull-off, beside it, and the distance of the first from it over that of both."""
+        here = self._fold(np.zeros((2, len(self._table))))
+        motion = here.right.reshape(2, -1)
+        # The difference then has a round-off, and a truncation, well below itself.
+        step = EPS ** (1 / 4) * float(here.zones.half.min()) / float(np.abs(motion).max())
+        beside = self._fold(step * motion)
+        # The signs of null vectors are arbitrary.
+        sign = float(np.sign(here.left @ beside.left) * np.sign(here.right @ beside.right))
+        away = sign * beside.rest - here.rest
+        return here, beside, abs(here.rest / away) if away else np.inf
+
+    def along(self, direction: Profile) -> tuple[float, float]:
+        """(derivative, error) of the pull-off load along a change of the profile [N/m]."""
+        here, beside, part = self._folds
+        value, other = self._at(here, direction), self._at(beside, direction)
+        error = TOLERANCES.margin * part * abs(other - value) + 2 * self.relative * abs(value)
+        return value, error + TOLERANCES.closed_form_rounding * abs(self.load)
+
+    def _at(self, fold: Fold, direction: Profile) -> float:
+        problem = changed(self.problem, direction, 0.0)
+        zones = held(fold.zones)
+        state = sie.solve_zones(problem.equation(Load(0.0)), zones, TOLERANCES.rounding)
+        by_shape = np.concatenate(state.density.intensities)
+        rate = -float(fold.left @ by_shape) / float(fold.left @ fold.by_load)
+        return rate * problem.units.load
