@@ -62,14 +62,22 @@ class Frame:
     details: Mapping[str, Any]
 
 
-def drawn(solution: Solution, points: int = POINTS.screen_points) -> Frame:
-    """The frame of a solution, with about `points` points in its curves.
+def drawn(
+    solution: Solution,
+    points: int = POINTS.screen_points,
+    stretch: tuple[float, float] | None = None,
+) -> Frame:
+    """The frame of a solution, with about `points` points in its curves, and as many in a stretch
+    of x [m] that is enlarged.
 
     Its details are `along` (units of x per metre), the lowest and highest pressure of the picture,
     the mean pressure, and the places at which the pressure is infinite.
     """
     lo, hi = window(solution)
     x = positions(solution, lo, hi, points)
+    if stretch is not None:
+        near = positions(solution, *stretch, points)
+        x = np.union1d(x, near[(near > lo) & (near < hi)])
     surface, body = surfaces(solution, x)
     pressure = solution.pressure(x)
     zones = zones_within(solution, lo, hi)

@@ -29,7 +29,8 @@ from contact.model.registry import LAWS
 from contact.model.scene import E_star, Scene
 from contact.model.scene_file import scene_from_tables, to_toml
 from contact.search.topology.extrapolation import CurvePoint
-from contact.solution.sampling import POINTS
+from contact.solution.plotting import close_up
+from contact.solution.sampling import POINTS, window
 from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.sweeps.curve import Curve
@@ -175,22 +176,16 @@ class Session:
             self._lines += 1
         self._branch = branch
         solution = self._solve(scene, fine)
-        frame = drawn(solution, POINTS.screen_points if fine else OPTIONS.points_while_moving)
+        stretch = tuple(request["stretch"]) if request.get("stretch") else None
+        points = POINTS.screen_points if fine else OPTIONS.points_while_moving
+        frame = drawn(solution, points, stretch)
         header, arrays = self._parts(frame)
         kind = request.get("below")
         if kind in ("shear", "mises", "fringes"):
-            stretch = request.get("stretch")
             columns = int(min(max(request.get("columns") or 200, 20), 600))
             nu = self._material(values).get("nu1", self.nu)
             try:
-                body = below(
-                    solution,
-                    kind,
-                    nu,
-                    tuple(stretch) if stretch else None,
-                    columns if fine else columns // 2,
-                    fine,
-                )
+                body = below(solution, kind, nu, stretch, columns if fine else columns // 2, fine)
             except ContactError as error:
                 header["below"] = {"refused": str(error)}
             else:
@@ -198,6 +193,8 @@ class Session:
                 header["numbers"][-1:-1] = body.details.get("rows", [])
         if fine:
             header["text"] = self.text(scene, values)
+            close = close_up(solution, *window(solution)) if solution.load else None
+            header["close"] = None if close is None else [end * header["along"] for end in close]
         return header, arrays
 
     def _parts(self, frame: Frame) -> Parts:

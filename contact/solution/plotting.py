@@ -63,7 +63,7 @@ FIGURE = FigureOptions()
 def plot(solution: Solution) -> Any:
     """A matplotlib Figure of profile, deformed surface, zones and pressure."""
     stretches = [window(solution)]
-    close = _close_up(solution, *stretches[0])
+    close = close_up(solution, *stretches[0])
     if close is not None:
         stretches.append(close)
     figure = new_figure(7.2 if close is None else 10.2, 5.4)
@@ -192,7 +192,7 @@ def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along:
     axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{letter}Pa]")
 
 
-def _close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | None:
+def close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | None:
     """The interval around the highest pressure that a second column of panels enlarges.
 
     It is up to six times as wide as the zone there. None if the whole figure shows the zones well

@@ -530,6 +530,25 @@ def test_a_stretch_that_is_dragged_over_fills_the_pictures(served: Served) -> No
 
 
 @pytest.mark.slow
+def test_a_button_enlarges_the_largest_pressure_of_a_trace(served: Served) -> None:
+    page, canvas = served.page, "document.querySelector('#contact')"
+    page.resize(768)
+    preset(page, "wave")
+    at_rest(page)
+    assert page.run("document.querySelector('#close').hidden")
+    rough = "\n".join(PRESETS["rough"].text.replace("1.2e8", "1e6").split("\n"))
+    page.run(f"document.querySelector('textarea').value = {json.dumps(rough)}")
+    click(page, "#solve")
+    (zone,) = contact.solve(scene_from_tables(tomllib.loads(at_rest(page)))).zones
+    click(page, "#close")
+    across = page.until(lambda: (now := page.run(f"{canvas}.across"))["high"] < 450 and now)
+    assert across["low"] < 1e6 * zone[0] < 1e6 * zone[1] < across["high"]
+    assert across["high"] - across["low"] == pytest.approx(6e6 * np.ptp(zone), rel=1e-6)
+    click(page, "#close")
+    page.until(lambda: page.run(f"{canvas}.across.high") > 450)
+
+
+@pytest.mark.slow
 def test_a_bad_scene_is_a_message_on_the_page(served: Served) -> None:
     page, refused = served.page, "document.querySelector('#refused')"
     page.resize(1280)

@@ -9,10 +9,13 @@ const REST = 200; // without a change, after which a scene is at rest [ms]
 const BUSY = 250; // after which a request counts as slow [ms]
 const one = selector => document.querySelector(selector);
 const refused = one("#refused"), strip = one("dl"), warnings = one("#warnings"), text = one("textarea");
-const state = { session: "", values: {}, about: "", version: 0, changed: 0, is_fine: true, curve: 0, drawn: 0 };
+const state = { session: "", values: {}, about: "", close: null, version: 0, changed: 0, is_fine: true, curve: 0, drawn: 0 };
 let is_live = false, is_idle = false;
 
-const pictures = new Pictures(one("#contact"), () => chosen("below") !== "none" && change());
+const pictures = new Pictures(one("#contact"), () => {
+  name_button();
+  change();
+});
 const curve = new LoadCurve(one("#curve"));
 
 /** The bytes of the server's reply. A request that takes longer than a moment, and that a person waits for, shows a bar at the top. */
@@ -121,13 +124,24 @@ function take(reply) {
   warnings.replaceChildren(...reply.warnings.map(said => Object.assign(document.createElement("p"), { textContent: said })));
   const what = one("#what"), title = [state.about, reply.title].filter(Boolean).join(" \u2013 ");
   if (what.textContent !== title) what.textContent = title;
-  if (reply.text !== undefined) text.value = reply.text;
+  if (reply.text !== undefined) {
+    text.value = reply.text;
+    state.close = reply.close;
+    name_button();
+  }
   if (reply.curve !== state.curve) {
     state.curve = reply.curve;
     curve.forget();
   }
   pictures.show(reply);
   curve.show(reply);
+}
+
+/** The button that shows the largest pressure, or all again. */
+function name_button() {
+  const button = one("#close");
+  button.hidden = !state.close && !pictures.view;
+  button.textContent = pictures.view ? "show all" : "enlarge the largest pressure";
 }
 
 /** The numbers of a frame; only what has changed is written. */
@@ -197,7 +211,8 @@ async function begin(scene) {
     return button;
   }));
   pictures.forget();
-  pictures.view = null;
+  [pictures.view, state.close] = [null, null];
+  name_button();
   curve.forget();
   change();
 }
@@ -209,6 +224,7 @@ for (const input of document.querySelectorAll('input[name="below"], input[name="
   };
 }
 one("#solve").onclick = () => begin({ text: text.value });
+one("#close").onclick = () => pictures.look(pictures.view ? null : { low: state.close[0], high: state.close[1] });
 one("#copy").onclick = () => navigator.clipboard.writeText(text.value);
 const wanted = new URLSearchParams(location.search).get("preset");
 begin(wanted ? { preset: wanted } : {});

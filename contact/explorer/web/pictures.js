@@ -1,7 +1,7 @@
 /* The upper picture: bodies, pressure, and the stress below, over the same x. `canvas.frames` counts what was painted, `canvas.across` is
    the stretch of x that is shown. */
 
-import { QUIET, area, arrow, axes, cleared, fitted, frame as outline, legend, line, reach, sizes, within } from "./axes.js";
+import { QUIET, area, arrow, axes, cleared, fitted, frame as outline, legend, line, prefix, reach, sizes, within } from "./axes.js";
 import { image, key, scaled } from "./below.js";
 
 const BODY = "#7a7a7a", SURFACE = "#1f5a92", PRESSURE = "#b3261e", ZONE = "rgba(242, 193, 78, 0.2)";
@@ -116,7 +116,8 @@ export class Pictures {
       line(pen, at, x, body, BODY, 1.5);
       line(pen, at, x, surface, SURFACE, 1.5);
       line(pen, at, x, touching, PRESSURE, frame.zones.length > 2 * MOST_ZONES ? 2 : 3);
-      const { zones } = frame, k = 2 * Math.floor(zones.length / 4), middle = zones.length ? 0.5 * (zones[k] + zones[k + 1]) : 0.5 * (across.low + across.high);
+      const zones = frame.zones.filter((_, k) => frame.zones[k & ~1] < across.high && frame.zones[k | 1] > across.low);
+      const k = 2 * Math.floor(zones.length / 4), middle = zones.length > 1 ? 0.5 * (zones[k] + zones[k + 1]) : 0.5 * (across.low + across.high);
       const place = Math.min(Math.max(at.x(middle), box.left + 30), box.right - 30);
       label(pen, "body", place, box.top + 6, BODY, "center", "top");
       label(pen, "counter-face", box.left + 8, box.bottom - 6, SURFACE, "left", "bottom");
@@ -163,8 +164,8 @@ export class Pictures {
       return;
     }
     this.top = scaled(this.top, below.top);
-    const range = { low: below.depth, high: 0 }, own = { left: 0, right: box.right - box.left };
-    const at = axes(pen, box, across, range, [names[0], names[0].replace("x", "depth")], size);
+    const depth = below.depth / this.frame.along, [factor, letter] = prefix(depth), own = { left: 0, right: box.right - box.left };
+    const at = axes(pen, box, across, { low: factor * depth, high: 0 }, [names[0], `depth [${letter}m]`], size);
     within(pen, at, () => {
       const wide = Math.round(at.x(below.high) - at.x(below.low)), tall = Math.round(box.bottom - box.top);
       const made = [wide, tall, below.kind, this.top].join();
@@ -175,15 +176,15 @@ export class Pictures {
       if (this.image) pen.drawImage(this.image, at.x(below.low), box.top, wide, tall);
       pen.fillStyle = PRESSURE;
       for (let i = 0; i < zones.length; i += 2) pen.fillRect(at.x(zones[i]), box.top, Math.max(1, at.x(zones[i + 1]) - at.x(zones[i])), 4);
-      if (below.peak) this.cross(pen, at, below, across);
+      if (below.peak) this.cross(pen, at, [below.peak[0], factor * below.peak[1] / this.frame.along], across);
     });
     outline(pen, at);
     key(pen, box, box.top - 12, below.kind, this.top, below.infinite);
   }
 
-  cross(pen, at, below, across) {
-    const x = at.x(below.peak[0]), y = at.y(below.peak[1]);
-    if (below.peak[0] < across.low || below.peak[0] > across.high) return;
+  cross(pen, at, peak, across) {
+    const x = at.x(peak[0]), y = at.y(peak[1]);
+    if (peak[0] < across.low || peak[0] > across.high) return;
     for (const [colour, width] of [["white", 4], [SURFACE, 2]]) {
       pen.strokeStyle = colour;
       pen.lineWidth = width;
