@@ -109,4 +109,11 @@ def worn(solution: Solution) -> Profile:
             "profile",
             profile,
         )
+    if fields.density.zones.depth.any():
+        raise SceneError(
+            "the pressure falls from the hardness to zero over less than is resolved, and there the "
+            "slope of what is left rises like a logarithm: it is not given for so steep a profile",
+            "profile",
+            profile,
+        )
     return Worn(profile, fields)

@@ -119,12 +119,14 @@ def _bent_rims(found: SolvedZones) -> tuple[Array, Array]:
     if len(narrow) == 0:
         return none[:, None], none
     value, width = np.abs(zones.values[:, narrow]).max(axis=0), 2 * zones.half[narrow]
-    bent, deep = found.free.bent_rims[narrow], zones.depth[narrow] < 0.0
+    bent, too_wide = found.free.bent_rims[narrow], -np.expm1(zones.depth[narrow])
     of_width = found.ends[narrow].sum(axis=1) * scales[narrow] / width
-    part = np.where(deep, bent / value, np.minimum(of_width, 1.0))
+    # A shift by some widths changes the right side on the rim by this share of its variation.
+    of_width = found.tolerance + of_width * bent / value
+    part = np.minimum(of_width + bent / value * too_wide, 1.0)
     pressures, places = none.copy(), none.copy()
     pressures[narrow] = TOLERANCES.margin * bent * part * np.exp(zones.depth[narrow])
-    places[narrow] = np.where(deep, bent / value * width / scales[narrow], 0.0)
+    places[narrow] = too_wide * bent / value * width / scales[narrow]
     return places[:, None], pressures
 
 

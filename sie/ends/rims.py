@@ -59,9 +59,9 @@ def end_scales(zones: Zones, equation: Equation) -> Array:
 def least_part(tolerance: float) -> float:
     """Least width of a rim over the narrower gap or plateau beside it.
 
-    The error that it causes is the square of this, here a hundredth of the tolerance.
+    The error that it causes is the square of this, times a condition: 1e-4 of the tolerance.
     """
-    return max(0.1 * float(np.sqrt(tolerance)), HALF_DIGITS)
+    return max(0.01 * float(np.sqrt(tolerance)), HALF_DIGITS)
 
 
 def with_rim_steps(
