@@ -504,6 +504,11 @@ class ZoneFields(NoPlateaus, sie.Kept):
         opens = sunk[1:] - sunk[0]
         return moved_ends(self.state, 0, response).T * load, np.asarray(opens * load)
 
+    def pressure_rates(self, x: Array) -> Array:
+        """Derivatives by ln(load) of the scaled pressure at scaled places in contact."""
+        response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
+        return np.asarray(response(x) * self.density.total)
+
     @property
     def tilt(self) -> float:
         """Angle by which the body is turned [rad]."""

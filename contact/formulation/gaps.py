@@ -159,6 +159,16 @@ class GapFields(NoPlateaus, sie.Kept):
             response.whole.integral(x) * self.mean
         )
 
+    def pressure_rates(self, x: Array) -> Array:
+        """Derivatives by ln(load) of the scaled pressure at scaled places in contact."""
+        response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
+        return np.asarray(self.mean * (1.0 + self._by_gaps(response.whole.transform(x))))
+
+    @property
+    def spacing(self) -> float:
+        """Smallest scaled length over which the profile varies."""
+        return self.relief.spacing
+
     def pressure(self, x: ArrayLike) -> Array:
         return (
             self.formal_pressure(self.problem.units.scaled(np.asarray(x, dtype=float)))

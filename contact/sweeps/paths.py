@@ -38,6 +38,7 @@ from contact.solution.model_warnings import curve_warnings
 from contact.solution.solution import Solution
 from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
+from contact.sweeps.event_search import EventSearch, follows
 from contact.sweeps.hidden_events import ends_and_rates, may_hide
 from contact.sweeps.path_plot import plot_path
 from contact.sweeps.path_table import Event
@@ -229,6 +230,10 @@ class _Path:
     def _events(self, low: Solution, high: Solution) -> list[Event]:
         if len(high.zones) == 0:
             return self._to_full(low, high) if len(low.zones) else []
+        if low.load < high.load and follows(low):
+            events = EventSearch(low, high, self.intermediate).events()
+            if events is not None:
+                return events
         turns = low.scene.turned and low.scene.moment is not None
         found = changes(
             low.zones,

@@ -165,7 +165,7 @@ def _extrapolate(known: list[Motion], away: list[float], period: float | None) -
         moved[0] += turn
         values.append(np.where(has, moved, 0.0))
         rates.append(other.rates[:, partner])
-        by_value, by_rate = _hermite(np.array(away[:count]))
+        by_value, by_rate = hermite_weights(np.array(away[:count]))
         further = np.tensordot(by_value, np.array(values), 1) + np.tensordot(
             by_rate, np.array(rates), 1
         )
@@ -173,7 +173,7 @@ def _extrapolate(known: list[Motion], away: list[float], period: float | None) -
     return np.asarray(out)
 
 
-def _hermite(away: Array) -> tuple[Array, Array]:
+def hermite_weights(away: Array) -> tuple[Array, Array]:
     """Hermite interpolation at 0: weights of values and of derivatives at the places `away`."""
     differences = away[:, None] - away
     np.fill_diagonal(differences, 1.0)

@@ -1,0 +1,619 @@
+"""The events between two loads of contact that grows with the load, one after the other.
+
+The search follows the contact from the lower load. Rates, derivatives by s = ln(load), predict the
+next event. With the zones of one side of an event, its condition is a smooth function of s, and
+values and derivatives at few loads give its zero by inverse Hermite interpolation. Each value takes
+one solution with a fixed number of zones; mostly two suffice. The last of them is the contact at
+the event, from which the search goes on. If bodies overlap there, a zone was born before, and the
+first such birth is located instead.
+
+A kind of event is a class: its name, the zones with which its condition is smooth, the condition,
+and the zones after it (`Birth`, `Merger`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+import sie
+from contact.formulation.fields import ZoneFields
+from contact.formulation.gaps import GapFields
+from contact.formulation.tables import ascending, gaps_between, in_cell
+from contact.search.options import SEARCH
+from contact.search.topology.changes import changes
+from contact.search.topology.extrapolation import Motion, hermite_weights
+from contact.search.topology.failure import WrongTopology
+from contact.search.topology.gap_form import GapForm
+from contact.search.topology.intervals import NEW_ZONE, merged, without
+from contact.search.topology.pressure_form import PressureForm
+from contact.solution.solution import Solution
+from contact.sweeps.path_table import Event
+from sie import Array, Index, Mask, record
+
+
+@dataclass(frozen=True)
+class EventOptions:
+    """Options of the search for the events between two loads."""
+
+    # Tolerance of the ends of zones, relative to the width of their zone. The error of an event's
+    # condition is of second order in theirs.
+    ends: float = 1e-7
+    load: float = 1e-13  # tolerance of an event's load, relative
+    # Predictions are linear. An event that is predicted beyond the last load, by up to half of the
+    # distance to that load, may still come before it.
+    reach: float = 1.5
+    # Largest difference of ln(load) over which events are predicted: the gap may get new minima.
+    max_step: float = 0.3
+    # Samples of the gap over the shortest length of the profile, and in an interval at least.
+    samples: float = 4.0
+    min_samples: int = 16
+    max_solves: int = 8  # for one event; usually two
+    max_halvings: int = 2  # of a step that fails
+    # Smallest difference of ln(load) that is divided by a solution where the search fails.
+    least_step: float = 1e-4
+
+
+_OPTIONS = EventOptions()
+Fields = ZoneFields | GapFields
+NOWHERE = np.zeros(0)
+
+
+@record
+class Value:
+    """Value and derivative of an event's condition at ln(load) `at`."""
+
+    at: float
+    value: float
+    rate: float
+
+
+@record
+class Birth:
+    """The birth of a zone, where a minimum of the gap falls to zero without that zone.
+
+    place: scaled place of the minimum. reach: distance from it within which the minimum is sought.
+    at: predicted ln(load). known: the condition where it is known, see `Value`.
+    """
+
+    place: float
+    reach: float
+    at: float
+    known: tuple[Value, ...] = ()
+    kind = "birth"
+    rises = -1.0  # sign of the derivative of the condition
+
+    @property
+    def joined(self) -> Array:
+        """Places of gaps that are closed where the condition is smooth."""
+        return NOWHERE
+
+    def condition(self, fields: Fields) -> Minimum:
+        """The minimum of the gap; its value is infinite if there is none near the place."""
+        low, high = gap_around(fields.zones, self.place, fields.problem.period)
+        first, last = max(low, self.place - self.reach), min(high, self.place + self.reach)
+        return local_minimum(fields.formal_gap, first, last, _tips(fields, self.place))
+
+    def rate(self, fields: Fields, place: float) -> float:
+        """Derivative of the condition by ln(load)."""
+        return float(fields.rates(np.array([place]))[1][0])
+
+    def tables(self, zones: Array, place: float, period: float | None) -> tuple[Array, Array]:
+        """The zones before and after the event, from those with which the condition is smooth."""
+        return zones, with_born(zones, np.array([place]), period)
+
+
+@record
+class Merger:
+    """The merger of two zones: the least pressure between them is zero, with the two as one.
+
+    place: scaled middle of the gap. reach: half its width with a margin. at: predicted ln(load).
+    known: the condition where it is known.
+    """
+
+    place: float
+    reach: float
+    at: float
+    known: tuple[Value, ...] = ()
+    kind = "merge"
+    rises = 1.0
+
+    @property
+    def joined(self) -> Array:
+        return np.array([self.place])
+
+    def condition(self, fields: Fields) -> Minimum:
+        """The least pressure between the two zones."""
+        first, last = self.place - self.reach, self.place + self.reach
+        return local_minimum(fields.formal_pressure, first, last, NOWHERE)
+
+    def rate(self, fields: Fields, place: float) -> float:
+        """Derivative of the condition by ln(load)."""
+        return float(fields.pressure_rates(np.array([place]))[0])
+
+    def tables(self, zones: Array, place: float, period: float | None) -> tuple[Array, Array]:
+        """The zones before and after the event, from those with which the condition is smooth."""
+        place = float(sie.wrapped(np.array(place), float(zones[0, 0]), period))
+        k = int(np.searchsorted(zones[:, 0], place, side="right")) - 1
+        parts = np.array([[zones[k, 0], place], [place, zones[k, 1]]])
+        return np.concatenate((zones[:k], parts, zones[k + 1 :])), zones
+
+
+@record
+class Renewal:
+    """No event, but a load at which the contact is solved, so that predictions become better."""
+
+    at: float
+    kind = ""
+
+    @property
+    def joined(self) -> Array:
+        return NOWHERE
+
+
+Awaited = Birth | Merger
+"""The kinds of events that are awaited while contact grows."""
+
+
+@record
+class PathPoint(sie.Kept):
+    """A contact on the path, by its fields.
+
+    at: ln(scaled load). born: zones of no width that are to be added (k, 3): scaled place, rate at
+    which bodies overlap there without the zone, half the second derivative of the gap. pieces:
+    intervals (m, 2) that come into contact up to the higher load.
+    """
+
+    fields: Fields
+    at: float
+    pieces: Array = field(repr=False)
+    born: Array = field(default_factory=lambda: np.zeros((0, 3)))
+
+    @property
+    def period(self) -> float | None:
+        return self.fields.problem.period
+
+    @cached_property
+    def samples(self) -> tuple[Array, Index, Array]:
+        """Places in `pieces` where the gap is not round-off, the piece of each, and the gap."""
+        found, rows = [NOWHERE], []
+        for a, b in self.pieces:
+            n = max(int(_OPTIONS.samples * (b - a) / self.fields.spacing), _OPTIONS.min_samples)
+            found.append(a + (b - a) * np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2)
+            rows.append(n)
+        x, row = np.concatenate(found), np.repeat(np.arange(len(rows)), rows)
+        gap = self.fields.formal_gap(x)
+        some = np.abs(gap) > self.fields.gap_rounding
+        return x[some], row[some], gap[some]
+
+    def _minima(self, values: Array) -> Mask:
+        """Which samples are local minima of values at the samples."""
+        row, out = self.samples[1], np.zeros(len(values), dtype=bool)
+        if len(values) > 2:
+            inner = (row[2:] == row[:-2]) & (values[1:-1] < values[:-2])
+            out[1:-1] = inner & (values[1:-1] <= values[2:])
+        return out
+
+    @property
+    def overlaps(self) -> Array:
+        """Places of the local minima at which the gap is negative."""
+        x, _, gap = self.samples
+        return x[self._minima(gap) & (gap < 0.0)]
+
+    @property
+    def touches(self) -> tuple[Array, Array]:
+        """Places that touch before those around them, and when: ln(load) by the present rates."""
+        x, _, gap = self.samples
+        with np.errstate(divide="ignore"):
+            left = np.where(self.rates[1] < 0.0, -gap / self.rates[1], np.inf)
+        some = self._minima(left) & (gap > 0.0)
+        return x[some], self.at + left[some]
+
+    @cached_property
+    def rates(self) -> tuple[Array, Array]:
+        """Derivatives by ln(load): outward motions of the ends (n, 2), and the gap at `samples`."""
+        return self.fields.rates(self.samples[0])
+
+    @property
+    def zones(self) -> Array:
+        """Scaled zones (n, 2), those of no width among them."""
+        return with_born(self.fields.zones, self.born[:, 0], self.period)
+
+    @cached_property
+    def motions(self) -> tuple[Motion, Motion]:
+        """Motions of the zones and of the gaps to their right."""
+        table, (left, right) = self.fields.zones, self.rates[0].T
+        gaps = gaps_between(table, self.period)
+        return Motion.of(table, -left, right), Motion.of(gaps, right, -np.roll(left, -1))
+
+    def table(self, at: float, joined: Array) -> Array:
+        """First guess of the scaled zones at another ln(load).
+
+        Middles and squared half widths of zones and gaps are linear in ln(load); an end is taken
+        from the narrower of the zone and the gap that it bounds. joined: scaled places in gaps that
+        are closed there. Zones of no width grow.
+        """
+        (middle, half), (place, room) = (self._moved(motion, at) for motion in self.motions)
+        width, gap = (motion.values[1] for motion in self.motions)
+        with np.errstate(invalid="ignore"):  # of an infinite gap
+            left, right = np.roll(place + room, 1), place - room
+            if self.period is not None:
+                left[0] -= self.period
+            left = np.where(width <= np.roll(gap, 1), middle - half, left)
+            right = np.where(width <= gap, middle + half, right)
+        table = np.column_stack((left, right))
+        if len(self.born):
+            table = ascending(np.concatenate((table, self._grown(at, table))))
+        if len(joined):
+            where = sie.wrapped(joined, float(table[0, 0]), self.period)
+            closed = np.searchsorted(table[:, 0], where, side="right") - 1
+            table = merged(table, closed, self.period)
+        return table
+
+    def _moved(self, motion: Motion, at: float) -> tuple[Array, Array]:
+        """Middles and half widths at another ln(load); no interval vanishes."""
+        middle, square = motion.values + (at - self.at) * motion.rates
+        return middle, np.sqrt(np.maximum(square, SEARCH.doubtful_part**2 * motion.values[1]))
+
+    def _grown(self, at: float, table: Array) -> Array:
+        """First guesses of the zones that are born here, at another ln(load)."""
+        rows = []
+        for place, rate, bend in self.born:
+            x = float(sie.wrapped(np.array(place), float(table[0, 0]), self.period))
+            low, high = gap_around(table, x, self.period)
+            half = NEW_ZONE * np.sqrt(max(at - self.at, 0.0) * rate / bend)
+            half = min(half, 0.5 * (x - low), 0.5 * (high - x))
+            rows.append((x - half, x + half))
+        return np.array(rows)
+
+
+def with_born(zones: Array, places: Array, period: float | None) -> Array:
+    """The zones with zones of no width at some places, ascending."""
+    if len(places) == 0:
+        return zones
+    new = sie.wrapped(places, float(zones[0, 0]), period)
+    return ascending(np.concatenate((zones, np.column_stack((new, new)))))
+
+
+def gap_around(zones: Array, place: float, period: float | None) -> tuple[float, float]:
+    """Ends of the gap that contains a scaled place, in the period of the place."""
+    x = float(sie.wrapped(np.array(place), float(zones[0, 0]), period))
+    k = int(np.searchsorted(zones[:, 0], x, side="right")) - 1
+    low, high = gaps_between(zones, period)[k] if k >= 0 else (-np.inf, float(zones[0, 0]))
+    return low + place - x, high + place - x
+
+
+def _tips(fields: Fields, near: float) -> Array:
+    """Scaled places of convex kinks of the profile, moved to the period around a place."""
+    kinks, heights = fields.problem.forcing.kinks
+    return sie.nearest_image(kinks[heights > 0], near, fields.problem.period)
+
+
+@record
+class Minimum:
+    """Place and value of a minimum, and half the second derivative there."""
+
+    place: float
+    value: float
+    bend: float
+
+
+def local_minimum(
+    function: Callable[[Array], Array], first: float, last: float, tips: Array
+) -> Minimum:
+    """The lowest local minimum of a function inside an interval; of infinite value if none.
+
+    tips: places at which the function may have a kink.
+    """
+    place = 0.5 * (first + last)
+    if not first < last:
+        return Minimum(place, np.inf, 1.0)
+    for _ in range(3):  # the spacing falls to 1e-4: the parabola's error is its fourth power
+        x = np.linspace(first, last, 33)
+        value = np.asarray(function(x))
+        inner = np.flatnonzero((value[1:-1] <= value[:-2]) & (value[1:-1] < value[2:])) + 1
+        if len(inner) == 0:
+            return Minimum(place, np.inf, 1.0)
+        k = int(inner[np.argmin(value[inner])])
+        first, last = x[k - 1], x[k + 1]
+    step = x[k] - first
+    before, here, after = value[k - 1 : k + 2]
+    bend = 0.5 * (before - 2 * here + after) / step**2
+    slope = 0.5 * (after - before) / step
+    found = Minimum(x[k] - 0.5 * slope / bend, here - 0.25 * slope**2 / bend, bend)
+    inside = tips[(tips > first) & (tips < last)]
+    if len(inside):
+        at = np.asarray(function(inside))
+        if at.min() <= found.value + 0.5 * (here - found.value):
+            return Minimum(float(inside[np.argmin(at)]), float(at.min()), bend)
+    return found
+
+
+class Watched:
+    """An awaited event with the values of its condition at the solutions so far.
+
+    zero: estimate of the event's ln(load); inf if there is none.
+    """
+
+    def __init__(self, event: Awaited) -> None:
+        self.event, self.values = event, list(event.known)
+        self.zero, self.found = event.at, Minimum(event.place, np.inf, 1.0)
+
+    def look(self, point: PathPoint) -> None:
+        """Add the condition's value at a solution."""
+        self.found = self.event.condition(point.fields)
+        if not np.isfinite(self.found.value):
+            self.zero = np.inf
+            return
+        rate = self.event.rate(point.fields, self.found.place)
+        self.values.append(Value(point.at, self.found.value, rate))
+        self.zero = self._estimate()
+
+    def _estimate(self) -> float:
+        """Zero by inverse Hermite interpolation; by Newton's method if that is nearer."""
+        last, rises = self.values[-1], self.event.rises
+        if not last.rate * rises > 0.0:
+            return np.inf
+        newton = last.at - last.value / last.rate
+        some = [one for one in self.values[-3:] if one.rate * rises > 0.0]
+        values = np.array([one.value for one in some])
+        if len(np.unique(values)) < len(values):
+            return newton
+        by_value, by_rate = hermite_weights(values)
+        at = float(
+            by_value @ np.array([one.at for one in some])
+            + by_rate @ np.array([1.0 / one.rate for one in some])
+        )
+        return at if abs(at - newton) <= abs(newton - last.at) else newton
+
+
+def follows(low: Solution) -> bool:
+    """Whether contact is known to grow, and rates have closed forms that hold for any load."""
+    scene, fields = low.scene, low.fields
+    return (
+        isinstance(fields, ZoneFields | GapFields)
+        and scene.operator.is_plain
+        and not (scene.turned and scene.moment is not None)
+        and not scene.interaction.strip
+        and not fields.problem.kappa
+    )
+
+
+class EventSearch:
+    """The search for all events between two solutions of contact that grows."""
+
+    def __init__(
+        self,
+        low: Solution,
+        high: Solution,
+        solve: Callable[[float, Solution], Solution],
+        start: PathPoint | None = None,
+    ) -> None:
+        fields = low.fields
+        assert isinstance(fields, ZoneFields | GapFields)
+        self.problem, self.low, self.high, self.solve = fields.problem, low, high, solve
+        self.form = (
+            GapForm(fields.problem, fields.relief)
+            if isinstance(fields, GapFields)
+            else PressureForm(fields.problem)
+        )
+        self.end = self._log(high.load)
+        self.last = np.asarray(self.problem.units.scaled(high.zones))
+        self.reach = fields.spacing
+        self.start = self._point(fields, self._log(low.load)) if start is None else start
+
+    def _log(self, load: float) -> float:
+        """ln(scaled load) of a load [N/m]."""
+        return float(np.log(load / self.problem.units.load))
+
+    def events(self) -> list[Event] | None:
+        """All events in order; None if the search is not certain of them."""
+        here, found = self.start, list[Event]()
+        while True:
+            awaited = self._next(here)
+            if awaited is None:
+                return None if self._changes(here) else found
+            try:
+                passed, here = self._passed(here, awaited)
+            except WrongTopology:
+                rest = self._divided(here)
+                return None if rest is None else found + rest
+            found += passed
+
+    def _divided(self, here: PathPoint) -> list[Event] | None:
+        """The events after a contact, with a solution in the middle of the loads that are left."""
+        if self.end - here.at < _OPTIONS.least_step:
+            return None
+        load = float(np.exp(0.5 * (here.at + self.end))) * self.problem.units.load
+        middle = self.solve(load, self.low)
+        first = EventSearch(self.low, middle, self.solve, here).events()
+        second = None if first is None else EventSearch(middle, self.high, self.solve).events()
+        return None if first is None or second is None else first + second
+
+    def _changes(self, here: PathPoint) -> bool:
+        """Whether the zones of the higher load are not as many, or not these."""
+        return bool(changes(here.zones, self.last, here.period, True))
+
+    def _next(self, here: PathPoint) -> Awaited | Renewal | None:
+        """The event that is predicted next; None if no further one is due.
+
+        Far from here, the contact is solved before events are predicted.
+        """
+        left, due = self.end - here.at, self._changes(here)
+        if left <= 0.0:
+            return None
+        awaited: list[Awaited | Renewal] = [*self._births(here), *self._mergers(here)]
+        if not due:
+            awaited = [one for one in awaited if one.at < here.at + _OPTIONS.reach * left]
+        if left > _OPTIONS.max_step:
+            awaited.append(Renewal(here.at + _OPTIONS.max_step))
+        while awaited:
+            first = min(awaited, key=lambda one: one.at)
+            if first.at > self.end:
+                return Renewal(self.end if due else here.at + 0.5 * left)
+            if not isinstance(first, Birth) or first.known:
+                return first
+            awaited.remove(first)
+            exact = self._looked_at(here, first)
+            if exact is not None and len(here.born):
+                return exact
+            awaited.append(exact or Renewal(first.at))
+        return Renewal(self.end) if due else None
+
+    def _births(self, here: PathPoint) -> list[Birth]:
+        """Places that touch before those around them, in contact at the higher load."""
+        return [Birth(x, self.reach, at) for x, at in zip(*here.touches, strict=True)]
+
+    def _mergers(self, here: PathPoint) -> list[Merger | Renewal]:
+        """Gaps that close, in contact at the higher load; and loads at which new zones are wide.
+
+        The gaps beside zones of no width have no rates. Before these zones are half as wide as the
+        gaps, the contact is solved anew.
+        """
+        gaps = gaps_between(here.zones, here.period)
+        closes = gaps[self._zone_over(gaps.mean(axis=1)) >= 0]
+        first = sie.wrapped(self.last[:, 0], closes[:, :1], here.period)
+        closes = closes[~((first > closes[:, :1]) & (first < closes[:, 1:])).any(axis=1)]
+        (middles, squares), (moves, falls) = here.motions[1].values, here.motions[1].rates
+        known = here.motions[1].table
+        out: list[Merger | Renewal] = []
+        for a, b in closes:
+            k = np.flatnonzero((known[:, 0] == a) & (known[:, 1] == b))
+            if len(k) and falls[k[0]] < 0.0:
+                at = -squares[k[0]] / falls[k[0]]
+                place = middles[k[0]] + moves[k[0]] * at
+                out.append(Merger(float(place), 0.625 * (b - a), here.at + float(at)))
+            for place, rate, bend in here.born if len(k) == 0 else ():
+                if place in (a, b):
+                    wide = (0.5 * (b - a) / NEW_ZONE) ** 2 * bend / rate
+                    out.append(Renewal(here.at + float(wide)))
+        return out
+
+    def _zone_over(self, x: Array) -> Array:
+        """Index of the zone of the higher load that contains scaled places, -1 for none."""
+        zones, period = self.last, self.problem.period
+        x = sie.wrapped(x, float(zones[0, 0]), period)
+        k = np.searchsorted(zones[:, 0], x, side="right") - 1
+        inside = (k >= 0) & (x <= zones[k, 1])
+        over = (period is not None) & (x + (period or 0.0) <= zones[-1, 1])
+        return np.where(inside, k, np.where(over, len(zones) - 1, -1))
+
+    def _passed(self, here: PathPoint, awaited: Awaited | Renewal) -> tuple[list[Event], PathPoint]:
+        """The events located next, and the contact from which the search goes on.
+
+        If the contact cannot be solved at the predicted load, half of the step is tried.
+        """
+        for _ in range(_OPTIONS.max_halvings):
+            try:
+                return self._located(here, awaited)
+            except WrongTopology:
+                awaited = Renewal(0.5 * (here.at + min(awaited.at, self.end)))
+        return self._located(here, awaited)
+
+    def _located(self, here: PathPoint, awaited: Awaited | Renewal) -> tuple[list[Event], PathPoint]:
+        """The next events, with the zones that `awaited` needs, and the contact after them.
+
+        There is no event if none is found up to the load at which the contact is solved.
+        """
+        at, base, joined = min(awaited.at, self.end), here, awaited.joined
+        watched = [] if isinstance(awaited, Renewal) else [Watched(awaited)]
+        error = np.inf
+        for _ in range(_OPTIONS.max_solves):
+            point = self._solved(base, at, joined)
+            if not isinstance(awaited, Merger):
+                watched += self._overlapping(here, point, watched)
+            for one in watched:
+                one.look(point)
+            zero = min((one.zero for one in watched), default=np.inf)
+            if zero > self.end:
+                if len(point.overlaps):
+                    raise WrongTopology("zones are born at unknown loads", None)
+                return [], point
+            before, error = error, abs(zero - at)
+            # The order of convergence is above two. The next error is far below this estimate.
+            left = error * min(error / before, 1.0) ** 3 if np.isfinite(before) else error
+            if left <= _OPTIONS.load:
+                return self._events_at(here, point, watched, zero)
+            at, base, joined = max(zero, here.at), point, NOWHERE
+        raise WrongTopology("an event was not located", None)
+
+    def _events_at(
+        self, here: PathPoint, point: PathPoint, watched: list[Watched], zero: float
+    ) -> tuple[list[Event], PathPoint]:
+        """The events at one load, and the contact after them; or those before it."""
+        if zero < here.at - _OPTIONS.ends:
+            raise WrongTopology("an event lies before the contact from which it was sought", None)
+        if isinstance(watched[0].event, Merger):
+            others = self._overlapping(here, point, [])
+            for one in others:
+                one.look(point)
+            first = min(others, key=lambda one: one.zero, default=None)
+            if first is not None and first.zero < zero - _OPTIONS.ends:
+                return self._located(here, replace(first.event, at=first.zero))
+        table, born, events = point.table(zero, NOWHERE), [], []
+        for one in watched:
+            if one.zero - zero > _OPTIONS.ends:
+                continue
+            before, table = one.event.tables(table, one.found.place, point.period)
+            events.append(
+                Event(
+                    one.event.kind,
+                    float(np.exp(one.zero)) * self.problem.units.load,
+                    float(self.low.scene.profile.wrap(self.problem.units.x(np.array(one.found.place)))),
+                    self._in_metres(before),
+                    self._in_metres(table),
+                )
+            )
+            if isinstance(one.event, Birth):
+                born.append((one.found.place, -one.values[-1].rate, one.found.bend))
+        return events, self._point(point.fields, point.at, np.array(born).reshape(-1, 3))
+
+    def _looked_at(self, here: PathPoint, birth: Birth) -> Birth | None:
+        """The birth with its condition at the last contact; None if the gap has no minimum there.
+
+        Zones that have just been born change the rates, so that they serve a prediction only.
+        """
+        one = Watched(birth)
+        one.look(here)
+        if not np.isfinite(one.found.value):
+            return None
+        known = () if len(here.born) else tuple(one.values)
+        return Birth(one.found.place, birth.reach, one.zero, known)
+
+    def _overlapping(
+        self, here: PathPoint, point: PathPoint, watched: list[Watched]
+    ) -> list[Watched]:
+        """The births of zones where bodies overlap, if they are not watched yet."""
+        places = np.array([one.event.place for one in watched])
+        found = []
+        for place in point.overlaps:
+            away = sie.nearest_image(places - place, 0.0, here.period)
+            if np.all(np.abs(away) > self.reach):
+                event = Birth(place, self.reach, point.at)
+                found.append(Watched(self._looked_at(here, event) or event))
+        return found
+
+    def _solved(self, base: PathPoint, at: float, joined: Array) -> PathPoint:
+        """The contact at ln(load) with the zones of `base`, whatever the signs."""
+        table = base.table(at, joined)
+        if isinstance(self.form, GapForm):
+            before = np.append(table[-1, 1] - self.problem.repeat_length, table[:-1, 1])
+            table = np.column_stack((before, table[:, 0]))
+        if not np.all(np.diff(table.ravel()) > 0.0):
+            raise WrongTopology("zones or gaps have no width", None)
+        load, ends = float(np.exp(at)), _OPTIONS.ends
+        return self._point(self.form.formal(load, table, ends, ends**2), at)
+
+    def _point(self, fields: Fields, at: float, born: Array | None = None) -> PathPoint:
+        born = np.zeros((0, 3)) if born is None else born
+        zones, last, period = with_born(fields.zones, born[:, 0], fields.problem.period), self.last, fields.problem.period
+        if period is not None:
+            # The period begins in a gap of the higher load.
+            zones = in_cell(zones, float(last[0, 0] - 0.5 * (last[0, 0] + period - last[-1, 1])), period)
+        return PathPoint(fields, at, without(last, zones), born)
+
+    def _in_metres(self, table: Array) -> Array:
+        return in_cell(self.problem.units.x(table), self.low.scene.profile.x0, self.low.scene.period)
