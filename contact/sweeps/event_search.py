@@ -22,6 +22,7 @@ import numpy as np
 import sie
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
+from contact.formulation.roots import reaches
 from contact.formulation.tables import ascending, gaps_between, in_cell
 from contact.search.options import SEARCH
 from contact.search.topology.changes import changes
@@ -91,11 +92,12 @@ class Birth:
         """Places of gaps that are closed where the condition is smooth."""
         return NOWHERE
 
-    def condition(self, fields: Fields) -> Minimum:
+    def condition(self, point: PathPoint) -> Minimum:
         """The minimum of the gap; its value is infinite if there is none near the place."""
-        low, high = gap_around(fields.zones, self.place, fields.problem.period)
+        low, high = gap_around(point.zones, self.place, point.period)
         first, last = max(low, self.place - self.reach), min(high, self.place + self.reach)
-        return local_minimum(fields.formal_gap, first, last, _tips(fields, self.place))
+        tips = _tips(point.fields, self.place)
+        return local_minimum(point.fields.formal_gap, first, last, self.place, tips)
 
     def rate(self, fields: Fields, place: float) -> float:
         """Derivative of the condition by ln(load)."""
@@ -125,10 +127,10 @@ class Merger:
     def joined(self) -> Array:
         return np.array([self.place])
 
-    def condition(self, fields: Fields) -> Minimum:
+    def condition(self, point: PathPoint) -> Minimum:
         """The least pressure between the two zones."""
         first, last = self.place - self.reach, self.place + self.reach
-        return local_minimum(fields.formal_pressure, first, last, NOWHERE)
+        return local_minimum(point.fields.formal_pressure, first, last, self.place, NOWHERE)
 
     def rate(self, fields: Fields, place: float) -> float:
         """Derivative of the condition by ln(load)."""
@@ -199,9 +201,9 @@ class PathPoint(sie.Kept):
 
     @property
     def overlaps(self) -> Array:
-        """Places of the local minima at which the gap is negative."""
+        """Places of the local minima at which the gap may be negative, there or beside it."""
         x, _, gap = self.samples
-        return x[self._minima(gap) & (gap < 0.0)]
+        return x[self._minima(gap) & (reaches(-gap) > 0.0)]
 
     @property
     def touches(self) -> tuple[Array, Array]:
@@ -302,13 +304,12 @@ class Minimum:
 
 
 def local_minimum(
-    function: Callable[[Array], Array], first: float, last: float, tips: Array
+    function: Callable[[Array], Array], first: float, last: float, place: float, tips: Array
 ) -> Minimum:
-    """The lowest local minimum of a function inside an interval; of infinite value if none.
+    """The local minimum of a function inside an interval that is nearest to a place.
 
-    tips: places at which the function may have a kink.
+    Its value is infinite if there is none. tips: places at which the function may have a kink.
     """
-    place = 0.5 * (first + last)
     if not first < last:
         return Minimum(place, np.inf, 1.0)
     for _ in range(3):  # the spacing falls to 1e-4: the parabola's error is its fourth power
@@ -317,7 +318,7 @@ def local_minimum(
         inner = np.flatnonzero((value[1:-1] <= value[:-2]) & (value[1:-1] < value[2:])) + 1
         if len(inner) == 0:
             return Minimum(place, np.inf, 1.0)
-        k = int(inner[np.argmin(value[inner])])
+        k = int(inner[np.argmin(np.abs(x[inner] - place))])
         first, last = x[k - 1], x[k + 1]
     step = x[k] - first
     before, here, after = value[k - 1 : k + 2]
@@ -344,7 +345,7 @@ class Watched:
 
     def look(self, point: PathPoint) -> None:
         """Add the condition's value at a solution."""
-        self.found = self.event.condition(point.fields)
+        self.found = self.event.condition(point)
         if not np.isfinite(self.found.value):
             self.zero = np.inf
             return
@@ -513,7 +514,9 @@ class EventSearch:
                 awaited = Renewal(0.5 * (here.at + min(awaited.at, self.end)))
         return self._located(here, awaited)
 
-    def _located(self, here: PathPoint, awaited: Awaited | Renewal) -> tuple[list[Event], PathPoint]:
+    def _located(
+        self, here: PathPoint, awaited: Awaited | Renewal
+    ) -> tuple[list[Event], PathPoint]:
         """The next events, with the zones that `awaited` needs, and the contact after them.
 
         There is no event if none is found up to the load at which the contact is solved.
@@ -529,7 +532,7 @@ class EventSearch:
                 one.look(point)
             zero = min((one.zero for one in watched), default=np.inf)
             if zero > self.end:
-                if len(point.overlaps):
+                if any(one.found.value < 0.0 for one in watched):
                     raise WrongTopology("zones are born at unknown loads", None)
                 return [], point
             before, error = error, abs(zero - at)
@@ -562,7 +565,9 @@ class EventSearch:
                 Event(
                     one.event.kind,
                     float(np.exp(one.zero)) * self.problem.units.load,
-                    float(self.low.scene.profile.wrap(self.problem.units.x(np.array(one.found.place)))),
+                    float(
+                        self.low.scene.profile.wrap(self.problem.units.x(np.array(one.found.place)))
+                    ),
                     self._in_metres(before),
                     self._in_metres(table),
                 )
@@ -609,11 +614,19 @@ class EventSearch:
 
     def _point(self, fields: Fields, at: float, born: Array | None = None) -> PathPoint:
         born = np.zeros((0, 3)) if born is None else born
-        zones, last, period = with_born(fields.zones, born[:, 0], fields.problem.period), self.last, fields.problem.period
+        zones, last, period = (
+            with_born(fields.zones, born[:, 0], fields.problem.period),
+            self.last,
+            fields.problem.period,
+        )
         if period is not None:
             # The period begins in a gap of the higher load.
-            zones = in_cell(zones, float(last[0, 0] - 0.5 * (last[0, 0] + period - last[-1, 1])), period)
+            zones = in_cell(
+                zones, float(last[0, 0] - 0.5 * (last[0, 0] + period - last[-1, 1])), period
+            )
         return PathPoint(fields, at, without(last, zones), born)
 
     def _in_metres(self, table: Array) -> Array:
-        return in_cell(self.problem.units.x(table), self.low.scene.profile.x0, self.low.scene.period)
+        return in_cell(
+            self.problem.units.x(table), self.low.scene.profile.x0, self.low.scene.period
+        )
