@@ -32,6 +32,7 @@ from contact.search.topology.gap_form import GapForm
 from contact.search.topology.intervals import NEW_ZONE, merged, without
 from contact.search.topology.pressure_form import PressureForm
 from contact.solution.solution import Solution
+from contact.sweeps.hidden_events import Ends, unexplained
 from contact.sweeps.path_table import Event
 from sie import Array, Index, Mask, record
 
@@ -43,19 +44,14 @@ class EventOptions:
     # Tolerance of the ends of zones, relative to the width of their zone. The error of an event's
     # condition is of second order in theirs.
     ends: float = 1e-7
-    load: float = 1e-13  # tolerance of an event's load, relative
     # Predictions are linear. An event that is predicted beyond the last load, by up to half of the
     # distance to that load, may still come before it.
     reach: float = 1.5
     # Largest difference of ln(load) over which events are predicted: the gap may get new minima.
     max_step: float = 0.3
-    # Samples of the gap over the shortest length of the profile, and in an interval at least.
+    # Samples of the gap over the shortest length of the profile. An interval counts as at least
+    # four such lengths.
     samples: float = 4.0
-    min_samples: int = 16
-    max_solves: int = 8  # for one event; usually two
-    max_halvings: int = 2  # of a step that fails
-    # Smallest difference of ln(load) that is divided by a solution where the search fails.
-    least_step: float = 1e-4
 
 
 _OPTIONS = EventOptions()
@@ -183,7 +179,7 @@ class PathPoint(sie.Kept):
         """Places in `pieces` where the gap is not round-off, the piece of each, and the gap."""
         found, rows = [NOWHERE], []
         for a, b in self.pieces:
-            n = max(int(_OPTIONS.samples * (b - a) / self.fields.spacing), _OPTIONS.min_samples)
+            n = int(_OPTIONS.samples * max((b - a) / self.fields.spacing, 4.0))
             found.append(a + (b - a) * np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2)
             rows.append(n)
         x, row = np.concatenate(found), np.repeat(np.arange(len(rows)), rows)
@@ -403,6 +399,9 @@ class EventSearch:
         )
         self.end = self._log(high.load)
         self.last = np.asarray(self.problem.units.scaled(high.zones))
+        after, units = Ends.of(high), self.problem.units
+        assert after is not None
+        self.after = Ends(units.scaled(after.zones), after.rates / units.length, high.error)
         self.reach = fields.spacing
         self.start = self._point(fields, self._log(low.load)) if start is None else start
 
@@ -426,7 +425,7 @@ class EventSearch:
 
     def _divided(self, here: PathPoint) -> list[Event] | None:
         """The events after a contact, with a solution in the middle of the loads that are left."""
-        if self.end - here.at < _OPTIONS.least_step:
+        if self.end - here.at < SEARCH.rough:
             return None
         load = float(np.exp(0.5 * (here.at + self.end))) * self.problem.units.load
         middle = self.solve(load, self.low)
@@ -462,7 +461,21 @@ class EventSearch:
             if exact is not None and len(here.born):
                 return exact
             awaited.append(exact or Renewal(first.at))
-        return Renewal(self.end) if due else None
+        if due:
+            return Renewal(self.end)
+        return Renewal(here.at + 0.5 * left) if self._hides(here, left) else None
+
+    def _hides(self, here: PathPoint, left: float) -> bool:
+        """Whether a zone may be born and merge up to the higher load although none is due.
+
+        left: difference of ln(load) up to the higher load. Zones of no width have no rates yet.
+        """
+        if left <= SEARCH.rough:
+            return False
+        if len(here.born):
+            return True
+        before = Ends(here.zones, here.rates[0], _OPTIONS.ends)
+        return unexplained(before, self.after, left, here.period)
 
     def _births(self, here: PathPoint) -> list[Birth]:
         """Places that touch before those around them, in contact at the higher load."""
@@ -507,7 +520,7 @@ class EventSearch:
 
         If the contact cannot be solved at the predicted load, half of the step is tried.
         """
-        for _ in range(_OPTIONS.max_halvings):
+        for _ in range(SEARCH.max_attempts):
             try:
                 return self._located(here, awaited)
             except WrongTopology:
@@ -524,7 +537,7 @@ class EventSearch:
         at, base, joined = min(awaited.at, self.end), here, awaited.joined
         watched = [] if isinstance(awaited, Renewal) else [Watched(awaited)]
         error = np.inf
-        for _ in range(_OPTIONS.max_solves):
+        for _ in range(2 * SEARCH.max_attempts):
             point = self._solved(base, at, joined)
             if not isinstance(awaited, Merger):
                 watched += self._overlapping(here, point, watched)
@@ -538,7 +551,7 @@ class EventSearch:
             before, error = error, abs(zero - at)
             # The order of convergence is above two. The next error is far below this estimate.
             left = error * min(error / before, 1.0) ** 3 if np.isfinite(before) else error
-            if left <= _OPTIONS.load:
+            if left <= SEARCH.least_error:
                 return self._events_at(here, point, watched, zero)
             at, base, joined = max(zero, here.at), point, NOWHERE
         raise WrongTopology("an event was not located", None)

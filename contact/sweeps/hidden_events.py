@@ -9,27 +9,62 @@ Next to a narrow zone or gap an end moves like the square root of the distance t
 birth or closure. Its rate times the width of that zone or gap varies slowly, and is used instead.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.tables import room_beside
 from contact.solution.solution import Solution
-from sie import Array
+from sie import Array, record
 
 
-def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: float) -> bool:
-    """Whether some end moved between two loads in another way than the end's rates predict.
+@dataclass(frozen=True)
+class HiddenOptions:
+    """Largest differences between the motion of an end and its prediction by rates."""
 
-    rate_error: relative error of an end's motion predicted from the end's rates at both loads.
-    max_rate_ratio: ratio of these two rates above which their mean predicts nothing.
+    # If the ratio of an end's rates at two loads exceeds this, the motion of the end between the
+    # loads cannot be predicted from the rates.
+    max_rate_ratio: float = 1.5
+    # Bound of the relative error of an end's motion that is predicted from its rates. If the rates
+    # are smooth and the loads differ by less than a third, the actual error is several times
+    # smaller.
+    rate_error: float = 0.1
+
+
+OPTIONS = HiddenOptions()
+
+
+@record
+class Ends:
+    """Zones at one load and the outward motions of their ends per unit of ln(load), both (n, 2).
+
+    error: stated error of the ends, relative to the width of their zone.
     """
-    before, after = ends_and_rates(low), ends_and_rates(high)
+
+    zones: Array
+    rates: Array
+    error: float
+
+    @classmethod
+    def of(cls, solution: Solution) -> "Ends | None":
+        """The ends of a solution [m]; None in full contact."""
+        both = ends_and_rates(solution)
+        return None if both is None else cls(*both, solution.error)
+
+
+def may_hide(low: Solution, high: Solution) -> bool:
+    """Whether some end moved between two loads in another way than the end's rates predict."""
+    before, after = Ends.of(low), Ends.of(high)
     if before is None or after is None or low.load >= high.load:
         return False
-    (old, old_rates), (new, new_rates) = before, after
-    period = low.scene.period
-    step = np.log(high.load / low.load)
+    return unexplained(before, after, float(np.log(high.load / low.load)), low.scene.period)
+
+
+def unexplained(low: Ends, high: Ends, step: float, period: float | None) -> bool:
+    """Whether some end moved over `step` in ln(load) in another way than its rates predict."""
+    old, old_rates, new, new_rates = low.zones, low.rates, high.zones, high.rates
     old_widths, new_widths = room_beside(old, period), room_beside(new, period)
     for k, (a, b) in enumerate(new):
         middles = old.mean(axis=1)
@@ -48,9 +83,9 @@ def may_hide(low: Solution, high: Solution, rate_error: float, max_rate_ratio: f
         slow, fast = np.sort(np.abs([first, last]), axis=0)
         distance = np.abs(motion)
         error = np.abs(motion - 0.5 * step * (first + last))
-        unexplained = (error > rate_error * distance) | (fast > max_rate_ratio * slow)
+        doubted = (error > OPTIONS.rate_error * distance) | (fast > OPTIONS.max_rate_ratio * slow)
         # A motion below the sum of the stated errors does not count, since it may be an error.
-        if np.any(unexplained & (distance > (low.error + high.error) * (b - a))):
+        if np.any(doubted & (distance > (low.error + high.error) * (b - a))):
             return True
     return False
 

@@ -39,6 +39,7 @@ from contact.solution.solution import Solution
 from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.event_search import EventSearch, follows
+from contact.sweeps.hidden_events import OPTIONS as HIDDEN
 from contact.sweeps.hidden_events import ends_and_rates, may_hide
 from contact.sweeps.path_plot import plot_path
 from contact.sweeps.path_table import Event
@@ -60,13 +61,6 @@ class PathOptions:
     # If the ratio of two loads exceeds this, the motion of ends between the loads cannot be
     # predicted from the ends' rates (derivatives by ln(load)) at the two loads.
     max_load_ratio: float = 1.3
-    # If the ratio of an end's rates at two loads exceeds this, the motion of the end between the
-    # loads cannot be predicted from the rates.
-    max_rate_ratio: float = 1.5
-    # Bound of the relative error of an end's motion that is predicted from its rates. If the rates
-    # are smooth and the loads differ by less than a third, the actual error is several times
-    # smaller.
-    rate_error: float = 0.1
 
     @property
     def retries_beyond(self) -> tuple[float, ...]:
@@ -245,8 +239,7 @@ class _Path:
         step = (high.load - low.load) / high.load
         apart = step > _OPTIONS.same
         hides = high.load > _OPTIONS.max_load_ratio * low.load or (
-            step > _OPTIONS.negligible
-            and may_hide(low, high, _OPTIONS.rate_error, _OPTIONS.max_rate_ratio)
+            step > _OPTIONS.negligible and may_hide(low, high)
         )
         if not found and not hides:
             return []
@@ -332,7 +325,7 @@ def _just_beyond(change: Change, side: Solution, other: Solution) -> float | Non
     (a, b), grows = table[k], grows[k]
     if grows == 0.0:
         return None
-    load = other.load * float(np.exp((_OPTIONS.rate_error - 1.0) * (b - a) / (2 * grows)))
+    load = other.load * float(np.exp((HIDDEN.rate_error - 1.0) * (b - a) / (2 * grows)))
     return load if min(side.load, other.load) < load < max(side.load, other.load) else None
 
 

@@ -10,7 +10,6 @@ The densities of jumps of the right side go through the tree like those of the u
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -31,20 +30,11 @@ from sie.second_kind.many import (
     lacks_fast_fields,
     nodes_of,
 )
+from sie.second_kind.state import OPTIONS
 from sie.second_kind.system import bases_of, targets_at
 from sie.states.options import THETA
 from sie.trees.tree import TERMS
 
-
-@dataclass(frozen=True)
-class LevelOptions:
-    """Limit of the size of the small matrix of conditions."""
-
-    # The LU factors of the matrix for this number of zones take about a second.
-    max_zones: int = 4000
-
-
-OPTIONS = LevelOptions()
 Weight = Callable[[Array], Array]
 
 
@@ -60,8 +50,8 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
         return lacking
     if any(zones.fixed_bounded):
         return "bounded fixed ends are not known with kappa, but for one of each zone"
-    if len(zones) > OPTIONS.max_zones:
-        return f"more than {OPTIONS.max_zones} zones are too many"
+    if len(zones) > OPTIONS.max_unknowns:
+        return f"more than {OPTIONS.max_unknowns} zones are too many"
     if not any(condition.levels for condition in equation.conditions):
         return "conditions on levels are needed with kappa"
     primitives = [part.primitive for part in (equation.forcing, *equation.columns)]
