@@ -32,7 +32,7 @@ from contact.search.topology.gap_form import GapForm
 from contact.search.topology.intervals import NEW_ZONE, merged, without
 from contact.search.topology.pressure_form import PressureForm
 from contact.solution.solution import Solution
-from contact.sweeps.hidden_events import Ends, unexplained
+from contact.sweeps.hidden_events import Ends, jumped, unexplained
 from contact.sweeps.path_table import Event
 from sie import Array, Index, Mask, record
 
@@ -214,6 +214,11 @@ class PathPoint(sie.Kept):
     def rates(self) -> tuple[Array, Array]:
         """Derivatives by ln(load): outward motions of the ends (n, 2), and the gap at `samples`."""
         return self.fields.rates(self.samples[0])
+
+    @property
+    def ends(self) -> Ends:
+        """Zones, without those of no width, and the motions of their ends; scaled."""
+        return Ends(self.fields.zones, self.rates[0], _OPTIONS.ends)
 
     @property
     def zones(self) -> Array:
@@ -474,8 +479,7 @@ class EventSearch:
             return False
         if len(here.born):
             return True
-        before = Ends(here.zones, here.rates[0], _OPTIONS.ends)
-        return unexplained(before, self.after, left, here.period)
+        return unexplained(here.ends, self.after, left, here.period)
 
     def _births(self, here: PathPoint) -> list[Birth]:
         """Places that touch before those around them, in contact at the higher load."""
@@ -518,14 +522,19 @@ class EventSearch:
     def _passed(self, here: PathPoint, awaited: Awaited | Renewal) -> tuple[list[Event], PathPoint]:
         """The events located next, and the contact from which the search goes on.
 
-        If the contact cannot be solved at the predicted load, half of the step is tried.
+        If the contact cannot be solved at the predicted load, or if an end passed over a zone, half
+        of the step is tried.
         """
         for _ in range(SEARCH.max_attempts):
             try:
-                return self._located(here, awaited)
+                events, there = self._located(here, awaited)
             except WrongTopology:
                 awaited = Renewal(0.5 * (here.at + min(awaited.at, self.end)))
-        return self._located(here, awaited)
+                continue
+            if not jumped(here.ends, there.ends, there.at - here.at, here.period):
+                return events, there
+            awaited = Renewal(0.5 * (here.at + there.at))
+        raise WrongTopology("the contact moves too fast with the load", None)
 
     def _located(
         self, here: PathPoint, awaited: Awaited | Renewal

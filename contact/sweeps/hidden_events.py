@@ -9,6 +9,7 @@ Next to a narrow zone or gap an end moves like the square root of the distance t
 birth or closure. Its rate times the width of that zone or gap varies slowly, and is used instead.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,30 +65,46 @@ def may_hide(low: Solution, high: Solution) -> bool:
 
 def unexplained(low: Ends, high: Ends, step: float, period: float | None) -> bool:
     """Whether some end moved over `step` in ln(load) in another way than its rates predict."""
+    for motion, first, last, known in _motions(low, high, period):
+        slow, fast = np.sort(np.abs([first, last]), axis=0)
+        distance = np.abs(motion)
+        error = np.abs(motion - 0.5 * step * (first + last))
+        doubted = (error > OPTIONS.rate_error * distance) | (fast > OPTIONS.max_rate_ratio * slow)
+        if np.any(doubted & (distance > known)):
+            return True
+    return False
+
+
+def jumped(low: Ends, high: Ends, step: float, period: float | None) -> bool:
+    """Whether some end moved over `step` in ln(load) by more than twice what its rates predict.
+
+    Such an end has passed over a zone that was born beside it.
+    """
+    return any(
+        bool(np.any(motion > 2 * step * np.maximum(np.abs(first), np.abs(last)) + known))
+        for motion, first, last, known in _motions(low, high, period)
+    )
+
+
+def _motions(
+    low: Ends, high: Ends, period: float | None
+) -> Iterator[tuple[Array, Array, Array, float]]:
+    """For each zone that is one zone at both loads: outward motions of its two ends, their rates at
+    the low load, their rates at the high load, and the sum of the stated errors of an end.
+    """
     old, old_rates, new, new_rates = low.zones, low.rates, high.zones, high.rates
     old_widths, new_widths = room_beside(old, period), room_beside(new, period)
+    middles = old.mean(axis=1)
     for k, (a, b) in enumerate(new):
-        middles = old.mean(axis=1)
         turn = np.zeros(len(old)) if period is None else np.ceil((a - middles) / period) * period
-        inside = (
-            np.flatnonzero(middles + turn <= b)
-            if period is not None
-            else np.flatnonzero((middles >= a) & (middles <= b))
-        )
+        inside = np.flatnonzero((middles + turn >= a) & (middles + turn <= b))
         if len(inside) != 1:
             continue
         (i,) = inside
         motion = np.array([old[i, 0] + turn[i] - a, b - old[i, 1] - turn[i]])
         mean = 0.5 * (old_widths[i] + new_widths[k])
         first, last = old_rates[i] * (old_widths[i] / mean), new_rates[k] * (new_widths[k] / mean)
-        slow, fast = np.sort(np.abs([first, last]), axis=0)
-        distance = np.abs(motion)
-        error = np.abs(motion - 0.5 * step * (first + last))
-        doubted = (error > OPTIONS.rate_error * distance) | (fast > OPTIONS.max_rate_ratio * slow)
-        # A motion below the sum of the stated errors does not count, since it may be an error.
-        if np.any(doubted & (distance > (low.error + high.error) * (b - a))):
-            return True
-    return False
+        yield motion, first, last, (low.error + high.error) * float(b - a)
 
 
 def ends_and_rates(solution: Solution) -> tuple[Array, Array] | None:
