@@ -76,12 +76,13 @@ def unexplained(low: Ends, high: Ends, step: float, period: float | None) -> boo
 
 
 def jumped(low: Ends, high: Ends, step: float, period: float | None) -> bool:
-    """Whether some end moved over `step` in ln(load) by more than twice what its rates predict.
+    """Whether some end moved over `step` in ln(load) farther than the larger of its rates explains.
 
     Such an end has passed over a zone that was born beside it.
     """
+    farthest = (1 + OPTIONS.rate_error) * step
     return any(
-        bool(np.any(motion > 2 * step * np.maximum(np.abs(first), np.abs(last)) + known))
+        bool(np.any(motion > farthest * np.maximum(np.abs(first), np.abs(last)) + known))
         for motion, first, last, known in _motions(low, high, period)
     )
 
