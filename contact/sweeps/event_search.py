@@ -217,8 +217,14 @@ class PathPoint(sie.Kept):
 
     @property
     def ends(self) -> Ends:
-        """Zones, without those of no width, and the motions of their ends; scaled."""
-        return Ends(self.fields.zones, self.rates[0], _OPTIONS.ends)
+        """Zones and the motions of their ends, scaled; the motions of zones of no width are nan."""
+        table, rates = self.fields.zones, self.rates[0]
+        if len(self.born):
+            new = sie.wrapped(self.born[:, 0], float(table[0, 0]), self.period)
+            table = np.concatenate((table, np.column_stack((new, new))))
+            rates = np.concatenate((rates, np.full((len(new), 2), np.nan)))
+        order = np.argsort(table[:, 0])
+        return Ends(table[order], rates[order], _OPTIONS.ends)
 
     @property
     def zones(self) -> Array:
@@ -473,13 +479,9 @@ class EventSearch:
     def _hides(self, here: PathPoint, left: float) -> bool:
         """Whether a zone may be born and merge up to the higher load although none is due.
 
-        left: difference of ln(load) up to the higher load. Zones of no width have no rates yet.
+        left: difference of ln(load) up to the higher load.
         """
-        if left <= SEARCH.rough:
-            return False
-        if len(here.born):
-            return True
-        return unexplained(here.ends, self.after, left, here.period)
+        return left > SEARCH.rough and unexplained(here.ends, self.after, left, here.period)
 
     def _births(self, here: PathPoint) -> list[Birth]:
         """Places that touch before those around them, in contact at the higher load."""

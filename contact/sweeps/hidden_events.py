@@ -41,6 +41,8 @@ OPTIONS = HiddenOptions()
 class Ends:
     """Zones at one load and the outward motions of their ends per unit of ln(load), both (n, 2).
 
+    A zone that is just born has no width, and the motions of its ends are nan.
+
     error: stated error of the ends, relative to the width of their zone.
     """
 
@@ -76,13 +78,12 @@ def unexplained(low: Ends, high: Ends, step: float, period: float | None) -> boo
 
 
 def jumped(low: Ends, high: Ends, step: float, period: float | None) -> bool:
-    """Whether some end moved over `step` in ln(load) farther than the larger of its rates explains.
+    """Whether some end moved farther over `step` in ln(load) than its rates at both loads explain.
 
     Such an end has passed over a zone that was born beside it.
     """
-    farthest = (1 + OPTIONS.rate_error) * step
     return any(
-        bool(np.any(motion > farthest * np.maximum(np.abs(first), np.abs(last)) + known))
+        bool(np.any(motion > (1 + OPTIONS.rate_error) * 0.5 * step * (first + last) + known))
         for motion, first, last, known in _motions(low, high, period)
     )
 
@@ -105,6 +106,8 @@ def _motions(
         motion = np.array([old[i, 0] + turn[i] - a, b - old[i, 1] - turn[i]])
         mean = 0.5 * (old_widths[i] + new_widths[k])
         first, last = old_rates[i] * (old_widths[i] / mean), new_rates[k] * (new_widths[k] / mean)
+        # The width of a new zone grows like a square root: its rate times its width is constant.
+        first = np.where(np.isnan(first), last, first)
         yield motion, first, last, (low.error + high.error) * float(b - a)
 
 
