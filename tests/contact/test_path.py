@@ -3,6 +3,7 @@ same states.
 """
 
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ import contact
 from contact import path
 from contact.formulation.roots import smooth_root
 from contact.reference import exact
-from contact.sweeps import paths
+from contact.studies.trace_kinds import drawn
+from contact.sweeps import event_search, paths
 
 BIQUADRATIC = contact.Biquadratic(radius=1.0, spacing=0.1)
 MERGING = exact.IsolatedBiquadratic(1.0, 0.1, 1.0, 1e-4).merging_load
@@ -64,8 +66,8 @@ def test_the_number_of_zones_is_that_of_the_events_passed():
         ) - passed.count("full")
 
 
-def test_events_take_three_states_each_and_few_loads_between(monkeypatch):
-    count = {"formal": 0, "intermediate": 0}
+def test_events_take_at_most_four_states_each_and_no_loads_between(monkeypatch):
+    count = {"_solved": 0, "intermediate": 0}
 
     def counting(of, name):
         real = getattr(of, name)
@@ -76,14 +78,33 @@ def test_events_take_three_states_each_and_few_loads_between(monkeypatch):
 
         monkeypatch.setattr(of, name, call)
 
-    counting(paths._Condition, "formal")
+    counting(event_search.EventSearch, "_solved")
     counting(paths._Path, "intermediate")
     random, k = np.random.default_rng(3), np.arange(1, 25)
     profile = contact.Fourier(1.0, *(1e-3 * k**-1.3 * random.normal(size=24) for _ in range(2)))
     full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).load
     found = path(scene(profile, contact.Periodic()), full * 0.3 * 1.06 ** np.array([-17.0, -11.0]))
     assert [event.kind for event in found.events] == ["birth", "merge", "birth", "birth"]
-    assert count["formal"] <= 13 and count["intermediate"] <= 30
+    assert count["_solved"] <= 16 and count["intermediate"] == 0
+
+
+@pytest.mark.parametrize(("kind", "seed", "points", "low", "high"), [
+    ("honed", 1, 200, 0.0225, 0.0265),
+    ("ground", 1, 200, 0.095, 0.105),
+    ("honed", 3, 600, 0.0066, 0.0084),
+])  # fmt: skip
+def test_zones_that_live_for_a_small_change_of_the_load_are_seen(kind, seed, points, low, high):
+    profile = drawn(np.random.default_rng(seed), kind, points)
+    rough = contact.Scene(profile, 1e11, contact.Periodic(), contact_fraction=1.0)
+    full = contact.solve(rough, tol=1e-6).load
+    loads = np.geomspace(low, high, 2) * full
+    events = path(rough.under("load", full), loads, tol=1e-6).events
+    assert min(e.load / d.load - 1 for d, e in pairwise(events)) < 0.03
+    between = np.sqrt([d.load * e.load for d, e in pairwise(events)])
+    start = None
+    for load, event in zip(between, events[1:], strict=True):
+        start = contact.solve(rough.under("load", load), tol=1e-5, near=start)
+        assert len(start.zones) == len(event.before)
 
 
 def test_just_beside_a_birth_the_solver_finds_the_zones_it_predicts():
