@@ -26,6 +26,8 @@ def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -
         )
     except OverflowError:
         number = nan
+    if hasattr(value, "magnitude"):
+        allowed += ", in SI units and without a unit object"
     if not (isfinite(number) and holds(number)):
         raise SceneError.of(field, value, allowed)
     return number
@@ -37,11 +39,27 @@ def finite(field: str, value: Any, allowed: str = "a finite real number") -> flo
 
 
 def as_array(value: Any) -> NDArray[Any]:
-    """Return the value as an array; for a ragged list, return `np.asarray(None)`."""
+    """Return the value as an array; for a ragged list, or a quantity whose unit numpy would lose,
+    return `np.asarray(None)`.
+    """
+    if hasattr(value, "magnitude"):
+        return np.asarray(None)
     try:
         return np.asarray(value)
     except (TypeError, ValueError):
         return np.asarray(None)
+
+
+def metres(field: str, value: Any) -> Any:
+    """The number of metres of a quantity with a unit, as of the package pint; other values as they
+    are.
+    """
+    if not (hasattr(value, "magnitude") and hasattr(value, "to")):
+        return value
+    try:
+        return value.to("m").magnitude
+    except Exception as error:
+        raise SceneError.of(field, value, f"a length ({error})") from error
 
 
 @contextmanager
@@ -146,6 +164,8 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
         isinstance(value, (list, tuple)) and any(isinstance(v, bool) for v in value)
     ):
         raise SceneError.of(field, value, allowed)
+    if hasattr(value, "magnitude"):
+        raise SceneError.of(field, value, allowed + ", in SI units and without a unit object")
     if np.ma.is_masked(value):
         raise SceneError.of(field, value, allowed + ", none masked")
     try:

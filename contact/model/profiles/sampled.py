@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 import sie
 from contact.errors import SceneError, warn
 from contact.extras import require
-from contact.model.checks import finite_array, increasing, one_of, positive_or_none, text
+from contact.model.checks import finite_array, increasing, metres, one_of, positive_or_none, text
 from contact.model.profiles.base import Array, Profile, onto
 from contact.model.profiles.noise import EPS
 from contact.model.registry import register_profile
@@ -32,6 +32,9 @@ _UNMEASURED = "contact.model.traces.unmeasured"
 # Arguments of a preparation that may be whole numbers.
 _WHOLE = ("detrend", "regrid")
 
+
+# Arguments of `Sampled.prepared`.
+_PREPARED = tuple("units sort invert fill regrid lambda_s detrend lambda_c taper period".split())
 
 # A not-a-knot cubic spline needs four points, as a cubic has four coefficients.
 MIN_POINTS = 4
@@ -52,7 +55,7 @@ OPTIONS = SampledOptions()
 
 
 def read_trace(
-    path: str | Path,
+    path_or_arrays: Any,
     columns: Sequence[int | str] = (),
     units: str | Sequence[str] | None = None,
     detrend: str | int = "none",
@@ -73,8 +76,7 @@ def read_trace(
     along: str | None = None,
     invert: bool | None = None,
 ) -> Sampled:
-    """Read a measured trace from a text file or an instrument's file, and prepare it as the
-    arguments say.
+    """Read a measured trace from a file or from arrays, and prepare it as the arguments say.
 
     The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read,
     sort, invert, fill, regrid, lambda_s, detrend, lambda_c, taper, period; the profile's `history`
@@ -82,15 +84,17 @@ def read_trace(
 
     Parameters
     ----------
-    path : str or path
-        Name of the file. Endings such as x3p, sur, opd, plu, OPDx or gwy are read by the extra
+    path_or_arrays : str, path, file object, pair of arrays, array, or line scan
+        The points: arrays (x, z), or heights z with their pitch; NaN and masked heights are
+        missing; arrays of pint are read in their units. Or a line scan of SurfaceTopography. Or a
+        file: its name, or an open file or stream of text or bytes. Endings such as x3p, sur, opd, plu, OPDx or gwy are read by the extra
         `instruments`; all others are text, in UTF-8, UTF-16 or Latin-1, also under gzip.
     columns : sequence of int or str
         Columns of positions and heights, from 0 or by name; may be left out where no others hold
         numbers.
     units : str or two of them, or None
         m, cm, mm, um, nm, A, pm, in, mil and others, of both or of positions and heights; None: the
-        header's, else m.
+        header's, else m (arrays: m).
     detrend : str or int
         "none", "line", "quadratic", or the degree of the least-squares polynomial that is
         subtracted (the form).
@@ -101,7 +105,7 @@ def read_trace(
     period : bool, float or None
         Length of the period [m]; True: the measured length; None: the trace just ends.
     pitch : float or None
-        Distance of the points [m], of a file of heights alone.
+        Distance of the points [m], of heights alone.
     decimal, delimiter : str or None
         "." or ","; ";", ",", "tab" or "blank". None: found.
     fill : str or None
@@ -157,7 +161,8 @@ def read_trace(
     >>> trace.history[1]
     '1 of 5 heights are missing; 1 in 1 gaps, the widest 1 µm, filled by straight lines'
     """
-    profile = _of_trace(require(_READING).load_trace(**locals()))
+    keys = dict(locals())
+    profile = _of_trace(require(_READING).load_trace(keys.pop("path_or_arrays"), **keys))
     warn(profile.warnings)
     return profile
 
@@ -210,13 +215,13 @@ class Sampled(Profile):
     source: ClassVar[tuple[Any, Any] | None] = None
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
-        points = increasing("x", x, MIN_POINTS)
-        heights = finite_array("height", height, 1, MIN_POINTS)
+        points = increasing("x", metres("x", x), MIN_POINTS)
+        heights = finite_array("height", metres("height", height), 1, MIN_POINTS)
         if heights.size != points.size:
             raise SceneError.of(
                 "height", height, f"as many as there are x ({points.size}, not {heights.size})"
             )
-        length = positive_or_none("period", period)
+        length = positive_or_none("period", metres("period", period))
         if length is not None:
             points, heights = _one_period(points, heights, length)
         if not np.ptp(heights) > 4 * EPS * np.max(np.abs(heights)):
@@ -231,6 +236,48 @@ class Sampled(Profile):
             object.__setattr__(self, name, value)
 
     from_file = staticmethod(read_trace)
+
+    @classmethod
+    def prepared(cls, x: ArrayLike, z: ArrayLike, **preparation: Any) -> Sampled:
+        """The profile of measured arrays, prepared in memory like the points of a file.
+
+        Parameters
+        ----------
+        x, z : array_like
+            Positions and heights [m], or quantities of pint; heights that are NaN are missing.
+        **preparation
+            Arguments of `contact.read_trace`: units, sort, invert, fill, regrid, lambda_s, detrend,
+            lambda_c, taper, period.
+
+        Returns
+        -------
+        Sampled
+
+        Raises
+        ------
+        SceneError
+            If arrays or arguments are wrong; the message names which.
+
+        Warns
+        -----
+        ModelWarning
+            If lengths or heights are not those of a surface, as for `contact.read_trace`.
+
+        Examples
+        --------
+        >>> import contact
+        >>> import numpy as np
+        >>> x = np.linspace(0.0, 1e-3, 201)
+        >>> z = 1e-6 * np.cos(4e4 * x) + 1e-3 * x
+        >>> trace = contact.Sampled.prepared(x, z, detrend="line", taper=0.1, period=True)
+        >>> trace.history[1]
+        'least-squares line subtracted'
+        """
+        for key in preparation:
+            one_of("argument of Sampled.prepared", key, _PREPARED)
+        profile = _of_trace(require(_READING).load_trace((x, z), **preparation))
+        warn(profile.warnings)
+        return profile
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
@@ -390,8 +437,11 @@ def _of_trace(trace: Any) -> Sampled:
     try:
         profile = Sampled(trace.x, trace.height, trace.period)
     except SceneError as error:
-        of = "" if trace.source is None else f"file {trace.source[0].path!r}: "
-        raise SceneError(f"{of}{error}", error.field, error.value, error.allowed) from error
+        if trace.source is None:
+            raise
+        path = trace.source[0].path
+        of = getattr(path, "words", f"file {str(path)!r}")
+        raise SceneError(f"{of}: {error}", error.field, error.value, error.allowed) from error
     for name in ("history", "warnings", "source"):
         object.__setattr__(profile, name, getattr(trace, name))
     return profile

@@ -3,7 +3,6 @@
 import re
 from dataclasses import dataclass
 from math import nan
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from contact.extras import require
 from contact.model.profiles.noise import ROUND_OFF
 from contact.model.profiles.sampled import MIN_POINTS
-from contact.model.traces.text import Row, at
+from contact.model.traces.text import Row, Source, at
 from contact.model.units import quantity
 from sie import Array
 
@@ -89,7 +88,7 @@ def is_comment(text: str) -> bool:
 
 
 def filled(
-    path: str | Path, x: Array, height: Array, lines: NDArray[np.int64], fill: str | None
+    path: Source, x: Array, height: Array, lines: NDArray[np.int64], fill: str | None
 ) -> tuple[Array, Array, NDArray[np.int64], str]:
     """Positions, heights and line numbers, with missing heights filled or dropped, and a note
     that says so.
@@ -193,7 +192,7 @@ def spikes(x: Array, height: Array) -> str:
 
 
 def in_order(
-    path: str | Path, x: Array, height: Array, lines: NDArray[np.int64], sort: bool = False
+    path: Source, x: Array, height: Array, lines: NDArray[np.int64], sort: bool = False
 ) -> tuple[Array, Array, NDArray[np.int64], str]:
     """The points in the order of their positions, and a note that says what was done.
 

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 from math import nan
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,7 +40,7 @@ from contact.model.traces.readings import (
     refuse_unclear_columns,
     refuse_unclear_commas,
 )  # fmt: skip
-from contact.model.traces.text import Layout, Row, at, rows_of
+from contact.model.traces.text import Layout, Row, Source, at, rows_of
 from sie import Array
 
 # Delimiters by the names that a user may give; None stands for white space.
@@ -92,7 +91,7 @@ class _Found:
 
 
 def read_table(
-    path: str | Path,
+    path: Source,
     columns: Any = (),
     decimal: Any = None,
     delimiter: Any = None,
@@ -135,7 +134,7 @@ def read_table(
     return Table(values, lines, header, counts, _number_above(data) if wanted == 1 else 0)
 
 
-def in_metres(path: str | Path, table: Table, units: Any) -> tuple[Array, str]:
+def in_metres(path: Source, table: Table, units: Any) -> tuple[Array, str]:
     """The numbers of a table in metres, and a text that says the units of the file.
 
     Given units must not contradict those of the header.
@@ -198,7 +197,7 @@ def _asked(decimal: Any, delimiter: Any) -> tuple[tuple[str | None, ...], tuple[
 
 
 def _find(
-    path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
+    path: Source, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
 ) -> _Found:
     """The layout with which rows of numbers begin earliest in the file."""
     names = [column for column in wanted if isinstance(column, str)]
@@ -283,7 +282,7 @@ def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
 
 
 def _why_none(
-    path: str | Path, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
+    path: Source, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
 ) -> str:
     """Advice for the error message if a file has no two rows of numbers in the wanted columns."""
     refuse_sideways(path, rows, layouts)
@@ -330,7 +329,7 @@ def _no_names(rows: list[Row], layouts: list[Layout]) -> str:
     return ""
 
 
-def _data(path: str | Path, rows: list[Row], found: _Found, layouts: list[Layout]) -> Data:
+def _data(path: Source, rows: list[Row], found: _Found, layouts: list[Layout]) -> Data:
     """The rows of the data, read with the decimal mark that fits all of them.
 
     The first decimal mark may come in a late row, as in "1;2" followed by "1,5;2".
@@ -377,7 +376,7 @@ def _numbers(data: Data, i: int, missing: Any) -> list[float]:
     raise at(data.path, line, f"no {what} {list(data.places)}: {shown(text.strip())}{hint}")
 
 
-def _refuse_lost_lines(path: str | Path, lines: NDArray[np.int64]) -> None:
+def _refuse_lost_lines(path: Source, lines: NDArray[np.int64]) -> None:
     """Refuse empty lines and comments among heights without positions, as they may stand for
     missing points.
 

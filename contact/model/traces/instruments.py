@@ -6,6 +6,8 @@ on a line between two points are interpolated bilinearly.
 """
 
 import re
+from functools import partial
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,7 @@ import numpy as np
 from contact.errors import SceneError
 from contact.extras import require
 from contact.model.checks import finite_array, integer, one_of
-from contact.model.traces.text import at
+from contact.model.traces.text import Given, Source, at
 from sie import Array
 
 # File name endings of the formats that the package SurfaceTopography reads, without those of text
@@ -33,32 +35,45 @@ _NUMBERED = re.compile(r"\d{3}")
 ALONG = ("x", "y")
 
 
-def is_instrument_file(path: str | Path) -> bool:
+def is_instrument_file(path: Source) -> bool:
     """Whether a file has an instrument's own format, judged by its ending or also its first
     bytes.
     """
-    ending = Path(path).suffix[1:].lower()
+    ending = (path.ending if isinstance(path, Given) else Path(path).suffix)[1:].lower()
+    if isinstance(path, Given) and not ending:
+        return _is_binary(path.content or b"")
     if ending not in FORMATS and not _NUMBERED.fullmatch(ending):
         return False
     if ending in _OF_TEXT:
         return True
+    if isinstance(path, Given):
+        return _is_binary(path.content or b"")
     try:
         with Path(path).open("rb") as stream:
-            head = stream.read(1 << 16)
+            return _is_binary(stream.read(1 << 16))
     except OSError:
         return False  # the error is reported when the file is read
+
+
+def _is_binary(content: bytes) -> bool:
+    """Whether the first bytes of a file are those of an archive or of no text."""
+    head = content[: 1 << 16]
+    if head.startswith(b"\x1f\x8b"):  # text under gzip
+        return False
     return head.startswith(b"PK") or (
         b"\0" in head and not head.startswith((b"\xff\xfe", b"\xfe\xff"))
     )
 
 
 def read_instrument(
-    path: str | Path, channel: Any = None, line: Any = None, along: Any = None
+    path: Source, channel: Any = None, line: Any = None, along: Any = None
 ) -> tuple[Array, Array, str]:
     """Positions and heights [m] (NaN if not measured), and a note that says what was read."""
     package = require("SurfaceTopography")
     try:
-        reader = package.open_topography(str(path))
+        content = path.content if isinstance(path, Given) else None
+        stream = str(path) if content is None else partial(BytesIO, content)
+        reader = package.open_topography(stream)
         channels = [found for found in reader.channels if found.is_height_channel]
         names = [found.name for found in channels]
     except Exception as error:  # the readers raise many kinds of errors
@@ -66,31 +81,37 @@ def read_instrument(
     chosen = channels[_place(path, names, channel)]
     try:
         surface = chosen.topography()
-        # A map or scan without known lengths has no unit.
-        if surface.unit is None:
-            raise at(path, 0, "the file says no unit of its lengths: export it as text")
+    except Exception as error:
+        raise at(path, 0, f"its channel {chosen.name!r} cannot be read ({error})") from error
+    # A map or scan without known lengths has no unit.
+    if surface.unit is None:
+        raise at(path, 0, "the file says no unit of its lengths: export it as text")
+    x, height, where = points_of(path, surface, line, along)
+    return x, height, f"channel {chosen.name!r}, lengths in the file's units{where}"
+
+
+def points_of(
+    path: Source, surface: Any, line: Any = None, along: Any = None
+) -> tuple[Array, Array, str]:
+    """Positions and heights [m] of a line scan or of a line of a map, and which line it is."""
+    try:
         surface = surface.to_unit("m")
         # Only a line scan has positions; a map has physical sizes instead.
         positions = (
             np.empty(0) if surface.dim == 2 else np.asarray(surface.positions(), dtype=float)
         )
         heights: Array = np.ma.filled(np.ma.asarray(surface.heights(), dtype=float), np.nan)
-    except SceneError:
-        raise
     except Exception as error:
-        raise at(path, 0, f"its channel {chosen.name!r} cannot be read ({error})") from error
-    note = f"channel {chosen.name!r}, lengths in the file's units"
+        raise at(path, 0, f"its heights cannot be read ({error})") from error
     if heights.ndim == 1:
         if line is not None or along is not None:
-            raise SceneError.of(
-                "line", line, "left out, with along: the file holds one line scan, no map"
-            )
-        return positions, heights, note
+            raise SceneError.of("line", line, "left out, with along: this is one line scan, no map")
+        return positions, heights, ""
     x, height, where = _of_map(heights, surface.physical_sizes, line, along)
-    return x, height, f"{note}, {where}"
+    return x, height, f", {where}"
 
 
-def _place(path: str | Path, names: list[str], channel: Any) -> int:
+def _place(path: Source, names: list[str], channel: Any) -> int:
     """The index of the channel with this name or number. If none is given, the index of the only
     channel of heights.
     """

@@ -7,21 +7,28 @@ waviness); taper (bring both ends to one height, so that the length is a period)
 lists the steps, `Trace.warnings` the doubts, and `Trace.stages` has the points after each step.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from math import ceil, log10
 from numbers import Integral
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
-from contact.model.checks import finite, integer, one_of, positive, such
+from contact.model.checks import finite, integer, metres, one_of, positive, such
 from contact.model.profiles.noise import ROUND_OFF
 from contact.model.profiles.sampled import MIN_POINTS
 from contact.model.profiles.sampled import OPTIONS as SAMPLED
+from contact.model.traces.arrays import (
+    ARRAYS,
+    is_arrays,
+    is_surface,
+    positions_and_heights,
+    source_of,
+)
 from contact.model.traces.dropouts import (
     FILLS,
     LONG_TABLE,
@@ -33,8 +40,8 @@ from contact.model.traces.dropouts import (
 )
 from contact.model.traces.file import in_metres, read_table
 from contact.model.traces.filters import low_pass, refuse_cut_offs
-from contact.model.traces.instruments import is_instrument_file, read_instrument
-from contact.model.traces.text import at
+from contact.model.traces.instruments import is_instrument_file, points_of, read_instrument
+from contact.model.traces.text import Given, Source, at, short_name
 from contact.model.units import quantity
 from sie import Array
 
@@ -68,9 +75,11 @@ _LIMITS = TraceLimits()
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """The content of a file: positions and heights [m], line numbers, and a text on the units."""
+    """What is read from a file or given as arrays: positions and heights [m], line numbers, and a
+    text on the units.
+    """
 
-    path: str
+    path: Source
     x: Array
     height: Array
     lines: NDArray[np.int64]
@@ -138,30 +147,57 @@ class Trace:
 
 # Arguments for text tables, and arguments for files of instruments, with their default values.
 _LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimiter", "missing"))}
+# Arguments that are lengths [m], and may be quantities with units.
+_LENGTHS = ("pitch", "lambda_s", "lambda_c", "period")
 _PLACE = dict.fromkeys(("channel", "line", "along"))
 _OF_INSTRUMENTS = "a table of text has columns, and channels and lines are an instrument file's"
 
 
-def load_trace(path: str | Path, **keys: Any) -> Trace:
-    """Read and prepare the trace of a file. `keys` are the arguments of `contact.read_trace`."""
+def load_trace(path: Any, **keys: Any) -> Trace:
+    """Read and prepare the trace of a file or of arrays. `keys` are the arguments of
+    `contact.read_trace`.
+    """
+    keys |= {name: metres(name, keys[name]) for name in _LENGTHS if name in keys}
     layout, place = (
         {name: keys.pop(name, usual) for name, usual in known.items()}
         for known in (_LAYOUT, _PLACE)
     )
     preparation = Preparation(**keys)
-    own_format = is_instrument_file(path)
-    others, allowed = (
-        (layout, "an instrument's own format says it") if own_format else (place, _OF_INSTRUMENTS)
-    )
-    for name, value in others.items():
-        if value is not None and not (name == "columns" and len(value) == 0):
-            raise SceneError.of(name, value, f"left out: {allowed}")
-    if not own_format:
+    if is_surface(path):
+        _left_out(layout, "a line scan has positions and a unit of its own")
+        return prepared(_surface(path, **place), preparation)
+    if is_arrays(path):
+        units, pitch = layout.pop("units"), layout.pop("pitch")
+        _left_out({**layout, **place}, "arrays have no columns, words or lines")
+        x, height, said, sure = positions_and_heights(path, units, pitch)
+        lines = np.arange(1, x.size + 1)
+        return prepared(Reading(ARRAYS, x, height, lines, said, sure=sure), preparation)
+    path = source_of(path)
+    if not is_instrument_file(path):
+        _left_out(place, _OF_INSTRUMENTS)
         return prepared(_table(path, **layout), preparation)
+    _left_out(layout, "an instrument's own format says it")
     x, height, said = read_instrument(path, **place)
-    return prepared(
-        Reading(str(path), x, height, np.zeros(x.size, dtype=np.int64), said), preparation
-    )
+    return prepared(Reading(path, x, height, np.zeros(x.size, dtype=np.int64), said), preparation)
+
+
+def _left_out(keys: Mapping[str, Any], why: str) -> None:
+    """Raise SceneError if one of these arguments is given."""
+    for name, value in keys.items():
+        if value is not None and not (name == "columns" and len(value) == 0):
+            raise SceneError.of(name, value, f"left out: {why}")
+
+
+def _surface(surface: Any, channel: Any, line: Any, along: Any) -> Reading:
+    """The points of a line scan of SurfaceTopography, or of a line of its map."""
+    given = Given(f"the {type(surface).__name__}", type(surface).__name__)
+    if channel is not None:
+        raise SceneError.of("channel", channel, "left out: this is one channel already")
+    if surface.unit is None:
+        what = "it has no unit: set one, or give its arrays, (scan.positions(), scan.heights())"
+        raise at(given, 0, what)
+    x, height, where = points_of(given, surface, line, along)
+    return Reading(given, x, height, np.arange(1, x.size + 1), f"its unit {surface.unit}{where}")
 
 
 def prepared(reading: Reading, by: Preparation) -> Trace:
@@ -174,7 +210,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
         reading.said,
     )
     length = by.period or None
-    history = [f"{x.size} points of {Path(path).name}, read in {said}"]
+    history = [f"{x.size} points of {short_name(path)}, read in {said}"]
     stages: list[tuple[str, Array, Array]] = []
 
     def done(note: str) -> None:
@@ -190,7 +226,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
         done("turned upside down (invert)")
     many = too_many(height)
     x, height, lines, note = filled(path, x, height, lines, by.fill)
-    holes = _doubtful_heights(Path(path).name, x, height, note if many else "")
+    holes = _doubtful_heights(short_name(path), x, height, note if many else "")
     done(note)
     x, height, note = _at_places(path, x, height, lines, by.regrid or None)
     done(note)
@@ -232,7 +268,7 @@ def _upside_down(reading: Reading, by: Preparation) -> bool:
 
 
 def _at_places(
-    path: str, x: Array, height: Array, lines: NDArray[np.int64], count: bool | int | None
+    path: Source, x: Array, height: Array, lines: NDArray[np.int64], count: bool | int | None
 ) -> tuple[Array, Array, str]:
     """(positions, heights, note on the choice of the positions).
 
@@ -245,20 +281,14 @@ def _at_places(
         return x, height, ""
     count, most = x.size if count is True else count, max(_LIMITS.max_regrid, x.size)
     if count > most:
-        between = f"between the {x.size} points of the file there are but straight lines"
-        allowed = f"at most {most}: {between}, and nothing more to be known"
+        between = f"between the {x.size} measured points only straight lines would be added"
+        allowed = f"at most {most}: {between}"
         raise SceneError.of("regrid", count, allowed)
     return to_uniform(x, height, count)
 
 
 def _table(
-    path: str | Path,
-    columns: Any,
-    units: Any,
-    pitch: Any,
-    decimal: Any,
-    delimiter: Any,
-    missing: Any,
+    path: Source, columns: Any, units: Any, pitch: Any, decimal: Any, delimiter: Any, missing: Any
 ) -> Reading:
     """The content of a file that is a text table."""
     step = None if pitch is None else positive("pitch", pitch)
@@ -272,17 +302,17 @@ def _table(
     if table.counts:
         what = "the positions are whole numbers, one after another, and may count the points"
         choice = "of heights alone write columns = [1] and pitch, their distance [m]"
-        doubts = (f"{Path(path).name}: {what}: {choice}",)
+        doubts = (f"{short_name(path)}: {what}: {choice}",)
     if table.number_above:
         what = (
             f"the number in line {table.number_above} is taken for a remark, as a word follows it"
         )
-        doubts = (f"{Path(path).name}: {what}; if that stands for no height, missing says so",)
+        doubts = (f"{short_name(path)}: {what}; if that stands for no height, missing says so",)
     sure = units is not None or table.header.line > 0
-    return Reading(str(path), x, height, table.lines, said, table.header.depth, sure, doubts)
+    return Reading(path, x, height, table.lines, said, table.header.depth, sure, doubts)
 
 
-def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> None:
+def _refuse_repeated(path: Source, x: Array, lines: NDArray[np.int64]) -> None:
     again = np.flatnonzero(np.diff(x) <= 0)
     if not again.size:
         return
@@ -319,12 +349,12 @@ def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> 
     pitch = length / (x.size - 1)
     part = 1.0 if reading.sure else _LIMITS.guessed
     size = f"{quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
-    trace = f"{Path(reading.path).name}, read in {reading.said}, is a trace {size}"
+    trace = f"{short_name(reading.path)}, read in {reading.said}, is a trace {size}"
     within = f"heights within {quantity(depth, 'm')}"
     is_long = length > part * _LIMITS.max_length or pitch > part * _LIMITS.max_pitch
     if is_long or pitch < _LIMITS.atom:
         rare = "which is not that of a surface" if reading.sure else "which is rare"
-        return (f"{trace}, {rare}: units says what the numbers of the file are in",)
+        return (f"{trace}, {rare}: units says what the numbers are in",)
     if depth > length:
         swap = "columns may be the other way round, or units two, of positions and of heights"
         return (f"{trace} and {within}, more than it is long: {swap}",)
@@ -333,7 +363,7 @@ def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> 
         return (f"{trace} and {within}, less than an atom: {two}",)
     if period is not None and period > 2 * length:
         share = f"less than half of the period of {quantity(period, 'm')}"
-        return (f"{trace}, {share}: period is in metres, as all lengths but the file's",)
+        return (f"{trace}, {share}: period is in metres, whatever units says",)
     return ()
 
 
@@ -344,7 +374,7 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
     false slopes. If rounding explains all deviations from an even pitch, the positions are replaced
     by even ones and the heights are not changed.
     """
-    note = "positions as in the file"
+    note = "positions as given"
     pitch = _pitch_behind_rounding(x)
     if pitch is not None:
         moved = x[0] + pitch * np.arange(x.size)

@@ -3,13 +3,12 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 from contact.errors import shown
 from contact.model.profiles.sampled import MIN_POINTS
 from contact.model.traces.dropouts import LONG_TABLE
 from contact.model.traces.header import header_fields, in_pairs, is_name, unit_of
-from contact.model.traces.text import Layout, Row, at
+from contact.model.traces.text import Layout, Row, Source, at
 
 _WHOLE = re.compile(r"[+-]?\d+([eE][+-]?\d+)?")
 # Names of columns that count the points.
@@ -34,7 +33,7 @@ def is_count(name: str) -> bool:
 class Data:
     """The rows of data with their line numbers and cells, and the rows before the data."""
 
-    path: str | Path
+    path: Source
     layout: Layout
     places: tuple[int, ...]
     rows: list[Row]
@@ -198,7 +197,7 @@ def refuse_unclear_columns(data: Data) -> None:
     raise at(data.path, data.rows[i][0], f"{unclear}; {cure}")
 
 
-def refuse_sideways(path: str | Path, rows: list[Row], layouts: list[Layout]) -> None:
+def refuse_sideways(path: Source, rows: list[Row], layouts: list[Layout]) -> None:
     """Refuse a transposed table, which has a few rows of many numbers each."""
     for layout in layouts:
         counts = [

@@ -13,6 +13,37 @@ from contact.extras import require
 
 Row = tuple[int, str]
 
+
+@dataclass(frozen=True)
+class Given:
+    """What a user gives in place of a path: a file object, or positions and heights.
+
+    words: its name in messages; name: its short name in the history; content: the bytes of a file
+    object, None for arrays; ending: the ending of its file's name, "" if unknown.
+    """
+
+    words: str
+    name: str
+    content: bytes | None = None
+    ending: str = ""
+
+    def __str__(self) -> str:
+        return self.name
+
+    def place(self, line: int) -> str:
+        """The place of a row in a message: lines count from 1, elements of arrays from 0."""
+        return f", line {line}" if self.content is not None else f", element {line - 1}"
+
+
+# Where a trace comes from.
+Source = str | Path | Given
+
+
+def short_name(path: Source) -> str:
+    """The name of a file without its folders, or that of what is given in its place."""
+    return path.name if isinstance(path, Given) else Path(path).name
+
+
 _COMMA_NUMBER = re.compile(r"[+-]?(\d+|\d*,\d+)([eE][+-]?\d+)?")
 _FORTRAN = re.compile(r"^([+-]?[\d.]+)[dD]([+-]?\d+)$")
 _COMMA_DECIMALS = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
@@ -66,15 +97,15 @@ def _written_elsewhere(number: str) -> float | None:
         return None
 
 
-def rows_of(path: str | Path) -> list[Row]:
+def rows_of(path: Source) -> list[Row]:
     """The non-empty lines of a file with their line numbers, for any kind of line ending."""
     text = _text(path, _bytes(path))
     return [(i, line) for i, line in enumerate(re.split("\r*\n|\r", text), 1) if line.strip()]
 
 
-def _bytes(path: str | Path) -> bytes:
+def _bytes(path: Source) -> bytes:
     try:
-        raw = Path(path).read_bytes()
+        raw = path.content or b"" if isinstance(path, Given) else Path(path).read_bytes()
         if raw.startswith(b"\x1f\x8b"):
             raw = require("gzip").decompress(raw)
     except zlib.error as error:
@@ -87,7 +118,7 @@ def _bytes(path: str | Path) -> bytes:
     return raw
 
 
-def _text(path: str | Path, raw: bytes) -> str:
+def _text(path: Source, raw: bytes) -> str:
     try:
         if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
             return raw.decode("utf-16")
@@ -126,7 +157,10 @@ def _is_decimals(line: str) -> bool:
     )
 
 
-def at(path: str | Path, line: int, what: str) -> SceneError:
+def at(path: Source, line: int, what: str) -> SceneError:
     """The SceneError for a line of a file; line 0 names the file only."""
+    if isinstance(path, Given):
+        place = path.place(int(line)) if line else ""
+        return SceneError(f"{path.words}{place}: {what}", "file", path.name)
     place = f", line {int(line)}" if line else ""
     return SceneError(f"file {shown(str(path))}{place}: {what}", "file", str(path))

@@ -1,0 +1,123 @@
+"""Traces that are given as arrays, quantities with units, line scans or file objects.
+
+Heights that are NaN or masked count as missing, like those of a file.
+"""
+
+from os import PathLike
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from contact.errors import SceneError
+from contact.model.checks import as_array, metres, positive
+from contact.model.profiles.sampled import MIN_POINTS
+from contact.model.traces.header import scales, written
+from contact.model.traces.text import Given, Source
+from sie import Array
+
+ARRAYS = Given("the points (x, z)", "the arrays x and z")
+
+
+def is_surface(given: Any) -> bool:
+    """Whether something is a line scan or a map of the package SurfaceTopography, or alike."""
+    return all(hasattr(given, name) for name in ("heights", "dim", "unit", "to_unit"))
+
+
+def is_arrays(given: Any) -> bool:
+    """Whether something is a pair of arrays, or heights alone."""
+    return not isinstance(given, (str, bytes, Given)) and (
+        hasattr(given, "__len__") or hasattr(given, "__array__")
+    )
+
+
+def source_of(given: Any) -> Source:
+    """A path as it is; of an open file or a stream, its content and its name."""
+    if isinstance(given, (str, PathLike)):
+        return str(given)
+    if not hasattr(given, "read"):
+        allowed = "arrays (x, z), heights with a pitch, the name of a file, or an open file"
+        raise SceneError.of("path_or_arrays", given, allowed)
+    path = getattr(given, "name", "")
+    path = path if isinstance(path, str) else ""
+    name = PurePath(path).name or type(given).__name__
+    try:
+        content = given.read()
+    except (OSError, ValueError) as error:
+        raise SceneError.of("file", given, f"open for reading ({error})") from None
+    if isinstance(content, str):
+        content = content.encode("utf-8")
+    if not isinstance(content, bytes):
+        raise SceneError.of("file", given, "a file object whose read() returns text or bytes")
+    if not content:
+        raise SceneError.of("file", given, "a file object that is not at its end (no rows left)")
+    return Given(f"file object {name}", name, content, PurePath(path).suffix)
+
+
+def positions_and_heights(given: Any, units: Any, pitch: Any) -> tuple[Array, Array, str, bool]:
+    """(positions, heights, text on the units, whether units are given), lengths in m."""
+    x, height = _pair(given, pitch)
+    quantities = hasattr(height, "magnitude") or hasattr(x, "magnitude")
+    if quantities and units is not None:
+        raise SceneError.of("units", units, "left out: the arrays have units of their own")
+    if (
+        quantities
+        and pitch is None
+        and not (hasattr(height, "magnitude") and hasattr(x, "magnitude"))
+    ):
+        raise SceneError.of("z", height, "with a unit if x has one, or neither")
+    heights = _numbers("z", metres("z", height))
+    if pitch is not None:
+        positions = positive("pitch", pitch) * np.arange(heights.size, dtype=float)
+    else:
+        positions = _numbers("x", metres("x", x))
+    if positions.size != heights.size:
+        allowed = f"as many heights as there are x ({positions.size}, not {heights.size})"
+        raise SceneError.of("z", height, allowed)
+    if quantities:
+        return positions, heights, "their units", True
+    if units is None:
+        return positions, heights, '"m", no units being given', False
+    along, up = scales(units)
+    along = along if pitch is None else 1.0
+    return (
+        along * positions,
+        up * heights,
+        written((units,) * 2 if isinstance(units, str) else units),
+        True,
+    )
+
+
+def _pair(given: Any, pitch: Any) -> tuple[Any, Any]:
+    """(x, z) of a pair of arrays; (None, z) of heights alone, which need a pitch."""
+    pair = isinstance(given, (tuple, list)) and any(np.ndim(_bare(part)) for part in given)
+    if pair and len(given) == 2:
+        if pitch is not None:
+            raise SceneError.of("pitch", pitch, "left out where positions are given")
+        return given[0], given[1]
+    if pair:
+        what = "a pair (x, z), or heights alone with their pitch"
+        raise SceneError.of("path_or_arrays", given, what)
+    if hasattr(given, "columns") or np.ndim(_bare(given)) == 2:
+        columns = "(table[:, 0], table[:, 1]); of a data frame, (frame['x'], frame['z'])"
+        raise SceneError.of("path_or_arrays", given, f"a pair (x, z): of a table, write {columns}")
+    if pitch is None:
+        allowed = "a pair (x, z), or heights alone with pitch, their distance [m]"
+        raise SceneError.of("path_or_arrays", given, allowed)
+    return None, given
+
+
+def _bare(value: Any) -> Any:
+    """An array without its unit; None if it is none."""
+    return as_array(getattr(value, "magnitude", value))
+
+
+def _numbers(field: str, value: Any) -> Array:
+    """Real numbers along one axis; those that are masked become NaN."""
+    masked = np.ma.getmask(value)
+    raw = as_array(value)
+    if raw.dtype.kind not in "iuf" or raw.ndim != 1 or raw.size < MIN_POINTS:
+        got = f"got shape {raw.shape}, type {raw.dtype}"
+        allowed = f"a one-dimensional array of at least {MIN_POINTS} real numbers ({got})"
+        raise SceneError.of(field, value, allowed)
+    return np.where(masked, np.nan, np.asarray(raw, dtype=np.float64))
