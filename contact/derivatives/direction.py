@@ -28,8 +28,8 @@ class MovedPlaces(Exception):
 
 
 # Step of differences by a parameter over the parameter. Their round-off, EPS over the step, is
-# 1e-13; their truncation is the eighth power of the step times the relative change by the parameter: 1e-11
-# for |x|^n, whose exponent n changes it by the factor ln|x|, where |x| is 1e-4.
+# 1e-13. Their truncation is the eighth power of the step times the relative change by the
+# parameter: 1e-11 for |x|^n, whose exponent n changes it by the factor ln|x|, where |x| is 1e-4.
 STEP = EPS ** (1 / 6)
 # Steps over the parameter if the profile is linear in it. The difference is exact then, and its
 # round-off is the smaller, the larger the step; values far away may not be allowed.

@@ -1,9 +1,9 @@
 """`optimize`: the best data of a scene within bounds, by scipy with the derivatives of the contact.
 
 The search is that of scipy.optimize: SLSQP (D. Kraft, DFVLR-FB 88-28, 1988) under conditions,
-L-BFGS-B (R. H. Byrd, P. Lu, J. Nocedal and C. Zhu, SIAM J. Sci. Comput. 16, 1995, 1190) without, and
-least squares for measured values. What it finds is a local optimum: `Design.optimality` says how
-nearly.
+L-BFGS-B (R. H. Byrd, P. Lu, J. Nocedal and C. Zhu, SIAM J. Sci. Comput. 16, 1995, 1190) without,
+and least squares for measured values. What it finds is a local optimum: `Design.optimality` says
+how nearly.
 """
 
 from __future__ import annotations

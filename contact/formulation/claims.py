@@ -278,9 +278,9 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
         return 0.0, ""
     k = int(which[worst])
     return float(relative[worst]), (
-        f"{_kind(profile)} disagrees with the height: from x = {panels.a[k]:.9g} to {panels.b[k]:.9g} m "
-        "the height rises by "
-        f"{panels.rise[k]:.9g} m, the integral of the slope is {panels.integral[k]:.9g} m"
+        f"{_kind(profile)} disagrees with the height: from x = {panels.a[k]:.9g} to "
+        f"{panels.b[k]:.9g} m the height rises by {panels.rise[k]:.9g} m, the integral of the "
+        f"slope is {panels.integral[k]:.9g} m"
     )
 
 
@@ -305,8 +305,8 @@ def _common_mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     if not abs(factor) > 2 / np.sqrt(total):
         return 0.0, ""
     return abs(factor), (
-        f"{_kind(profile)} disagrees with the height: over {np.count_nonzero(usable)} intervals, the height "
-        f"rises by {1 + factor:.12g} times the integral of the slope"
+        f"{_kind(profile)} disagrees with the height: over {np.count_nonzero(usable)} intervals, "
+        f"the height rises by {1 + factor:.12g} times the integral of the slope"
     )
 
 

@@ -267,8 +267,8 @@ def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
 
     written: tables [profile] and [counter] as a file gave them, where they name a file of points;
     otherwise all numbers are written. Tables [material] and [law] as a file gave them keep its
-    keys, such as E1 and nu1 in place of E_star. Raises SceneError where a part has no name that a scene file
-    could use.
+    keys, such as E1 and nu1 in place of E_star. Raises SceneError where a part has no name that a
+    scene file could use.
     """
     bodies = scene.profile.bodies
     parts = (

@@ -136,7 +136,7 @@ class Slip(sie.Kept):
 
     @property
     def slides(self) -> bool:
-        """Whether nothing sticks; then the tangential load has the size `friction` times the load."""
+        """Whether nothing sticks: the tangential load is then `friction` times the load in size."""
         return len(self.stick_zones) == 0
 
     @cached_property

@@ -159,7 +159,7 @@ def signs_on(
     least, points = np.inf, 0
 
     def within(i: int, first: float, last: float) -> tuple[float, float]:
-        """The part of interval i between two angles; the interval's right end is 0, its left end pi."""
+        """Part of interval i between two angles; 0 is the interval's right end, pi its left end."""
         hi, lo = intervals.middle[i] + intervals.half[i] * np.cos([first, last])
         return float(intervals.a[i] if last == np.pi else lo), float(
             intervals.b[i] if first == 0.0 else hi

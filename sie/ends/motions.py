@@ -302,7 +302,7 @@ class IteratedMotions(FreeEnds):
         return [self.system.symmetry.unfold(one) for one in folded]
 
     def meeting(self, change: Array, tolerance: float = ITERATION.correction) -> Array:
-        """Motions of the free ends (E,) that change the intensities by `change`; nan if not found."""
+        """Motions of free ends (E,) that change the intensities by `change`; nan if not found."""
         count = self.solver.size
 
         def precondition(rows: Array, k: Array) -> Array:

@@ -170,7 +170,7 @@ class GradedSystem(Rows, Kept):
         return np.asarray(start + away)
 
     def _rounded(self, zone: int, places: Places) -> tuple[Array, Array]:
-        """(x of the nearer end, signed distance of the place from this end) for places on a zone."""
+        """(x of the nearer end, signed distance of a place from this end) for places on a zone."""
         zones, left = self.zones, places.from_a <= places.from_b
         start = np.where(left, zones.a[zone], zones.b[zone])
         rest = np.where(left, zones.rest[0, zone], zones.rest[1, zone])

@@ -87,8 +87,9 @@ def read_trace(
     path_or_arrays : str, path, file object, pair of arrays, array, or line scan
         The points: arrays (x, z), or heights z with their pitch; NaN and masked heights are
         missing; arrays of pint are read in their units. Or a line scan of SurfaceTopography. Or a
-        file: its name, or an open file or stream of text or bytes. Endings such as x3p, sur, opd, plu, OPDx or gwy are read by the extra
-        `instruments`; all others are text, in UTF-8, UTF-16 or Latin-1, also under gzip.
+        file: its name, or an open file or stream of text or bytes. Endings such as x3p, sur, opd,
+        plu, OPDx or gwy are read by the extra `instruments`; all others are text, in UTF-8, UTF-16
+        or Latin-1, also under gzip.
     columns : sequence of int or str
         Columns of positions and heights, from 0 or by name; may be left out where no others hold
         numbers.

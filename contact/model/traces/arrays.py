@@ -27,7 +27,7 @@ def is_surface(given: Any) -> bool:
 def is_arrays(given: Any) -> bool:
     """Whether something is a pair of arrays, or heights alone."""
     return not isinstance(given, (str, bytes, Given)) and (
-        hasattr(given, "__len__") or hasattr(given, "__array__")
+        any(hasattr(given, name) for name in ("__len__", "__array__", "magnitude"))
     )
 
 

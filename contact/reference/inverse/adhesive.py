@@ -188,7 +188,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _smooth(self) -> Any:
-        """Coefficients of M (head of this module) for the given load and equal approach of zones."""
+        """Coefficients of M (see the module) for the given load and equal approach of zones."""
         modes, poles = self._zone_integrals
         gaps = [self._integrals(g) for g in self._extended.gaps]
         matrix = np.array([*(m for m, _ in gaps), np.sum(modes, axis=0)])

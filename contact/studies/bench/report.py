@@ -233,7 +233,7 @@ def stability_table(verdicts: list[Verdict]) -> Table:
 
 
 def stability_groups_table(verdicts: list[Verdict]) -> Table:
-    """Table of the groups of extreme scenes: outcomes, and the worst conditioned scene that passes."""
+    """Table of groups of extreme scenes: outcomes, and the worst conditioned scene that passes."""
     out: list[tuple[str, ...]] = []
     for group in dict.fromkeys(v.group for v in verdicts):
         some = [v for v in verdicts if v.group == group]
