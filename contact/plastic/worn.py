@@ -112,7 +112,8 @@ def worn(solution: Solution) -> Profile:
     if fields.density.zones.depth.any():
         raise SceneError(
             "the pressure falls from the hardness to zero over less than is resolved, and there "
-            "the slope of what is left rises like a logarithm: it is not given for so steep a profile",
+            "the slope of what is left rises like a logarithm: it is not given for so steep a "
+            "profile",
             "profile",
             profile,
         )
