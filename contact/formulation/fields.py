@@ -490,12 +490,12 @@ class ZoneFields(NoPlateaus, sie.Kept):
         """Derivatives of the ends of the zones by ln(load), outward positive [m] (n, 2)."""
         return moved_ends(self.state).T * self.problem.units.length * self.density.total
 
-    def rates(self, x: Array) -> tuple[Array, Array]:
+    def rates(self, x: Array, tolerance: float = OPTIONS.guess_tolerance) -> tuple[Array, Array]:
         """Scaled derivatives by ln(load) of the ends, outward (n, 2), and of the gap at x.
 
-        The rates only start a search, so that the response is computed to a few digits.
+        tolerance: of the response, if an iteration finds it; the default serves a first guess.
         """
-        response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
+        response = self.state.response(self.state.values(), tolerance)
         zones, load = self.density.zones, self.density.total
         places = np.append(zones.middle[0], x)
         sunk = self._with_columns(places, response.potential(places), response.amplitudes)
@@ -504,9 +504,12 @@ class ZoneFields(NoPlateaus, sie.Kept):
         opens = sunk[1:] - sunk[0]
         return moved_ends(self.state, 0, response).T * load, np.asarray(opens * load)
 
-    def pressure_rates(self, x: Array) -> Array:
-        """Derivatives by ln(load) of the scaled pressure at scaled places in contact."""
-        response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
+    def pressure_rates(self, x: Array, tolerance: float) -> Array:
+        """Derivatives by ln(load) of the scaled pressure at scaled places in contact.
+
+        tolerance: of the response, if an iteration finds it.
+        """
+        response = self.state.response(self.state.values(), tolerance)
         return np.asarray(response(x) * self.density.total)
 
     @property

@@ -152,16 +152,22 @@ class GapFields(NoPlateaus, sie.Kept):
         """
         return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
 
-    def rates(self, x: Array) -> tuple[Array, Array]:
-        """Scaled derivatives by ln(load) of the zone ends, outward (n, 2), and of the gap at x."""
-        response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
+    def rates(self, x: Array, tolerance: float = OPTIONS.guess_tolerance) -> tuple[Array, Array]:
+        """Scaled derivatives by ln(load) of the zone ends, outward (n, 2), and of the gap at x.
+
+        tolerance: of the response, if an iteration finds it; the default serves a first guess.
+        """
+        response = self.state.response(self.state.values(), tolerance)
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(
             response.whole.integral(x) * self.mean
         )
 
-    def pressure_rates(self, x: Array) -> Array:
-        """Derivatives by ln(load) of the scaled pressure at scaled places in contact."""
-        response = self.state.response(self.state.values(), OPTIONS.guess_tolerance)
+    def pressure_rates(self, x: Array, tolerance: float) -> Array:
+        """Derivatives by ln(load) of the scaled pressure at scaled places in contact.
+
+        tolerance: of the response, if an iteration finds it.
+        """
+        response = self.state.response(self.state.values(), tolerance)
         return np.asarray(self.mean * (1.0 + self._by_gaps(response.whole.transform(x))))
 
     @property

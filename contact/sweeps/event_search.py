@@ -41,8 +41,9 @@ from sie import Array, Index, Mask, record
 class EventOptions:
     """Options of the search for the events between two loads."""
 
-    # Tolerance of the ends of zones, relative to the width of their zone. The error of an event's
-    # condition is of second order in theirs.
+    # Tolerance of the ends of zones, relative to the width of their zone, where an event is
+    # predicted. Where it is located they are closer by `SearchOptions.tight_factor`: the error of
+    # a condition is of second order in theirs, but that of its rate of first order.
     ends: float = 1e-7
     # Predictions are linear. An event that is predicted beyond the last load, by up to half of the
     # distance to that load, may still come before it.
@@ -97,7 +98,7 @@ class Birth:
 
     def rate(self, fields: Fields, place: float) -> float:
         """Derivative of the condition by ln(load)."""
-        return float(fields.rates(np.array([place]))[1][0])
+        return float(fields.rates(np.array([place]), _OPTIONS.ends)[1][0])
 
     def tables(self, zones: Array, place: float, period: float | None) -> tuple[Array, Array]:
         """The zones before and after the event, from those with which the condition is smooth."""
@@ -130,7 +131,7 @@ class Merger:
 
     def rate(self, fields: Fields, place: float) -> float:
         """Derivative of the condition by ln(load)."""
-        return float(fields.pressure_rates(np.array([place]))[0])
+        return float(fields.pressure_rates(np.array([place]), _OPTIONS.ends)[0])
 
     def tables(self, zones: Array, place: float, period: float | None) -> tuple[Array, Array]:
         """The zones before and after the event, from those with which the condition is smooth."""
@@ -319,7 +320,8 @@ def local_minimum(
     """
     if not first < last:
         return Minimum(place, np.inf, 1.0)
-    for _ in range(3):  # the spacing falls to 1e-4: the parabola's error is its fourth power
+    # The spacing falls to 1e-5 of the interval; the error of the parabola is its fourth power.
+    for _ in range(4):
         x = np.linspace(first, last, 33)
         value = np.asarray(function(x))
         inner = np.flatnonzero((value[1:-1] <= value[:-2]) & (value[1:-1] < value[2:])) + 1
@@ -547,9 +549,10 @@ class EventSearch:
         """
         at, base, joined = min(awaited.at, self.end), here, awaited.joined
         watched = [] if isinstance(awaited, Renewal) else [Watched(awaited)]
-        error = np.inf
+        error, ends = np.inf, _OPTIONS.ends
         for _ in range(2 * SEARCH.max_attempts):
-            point = self._solved(base, at, joined)
+            point = self._solved(base, at, joined, ends)
+            ends = _OPTIONS.ends * SEARCH.tight_factor
             if not isinstance(awaited, Merger):
                 watched += self._overlapping(here, point, watched)
             for one in watched:
@@ -625,7 +628,7 @@ class EventSearch:
                 found.append(Watched(self._looked_at(here, event) or event))
         return found
 
-    def _solved(self, base: PathPoint, at: float, joined: Array) -> PathPoint:
+    def _solved(self, base: PathPoint, at: float, joined: Array, ends: float) -> PathPoint:
         """The contact at ln(load) with the zones of `base`, whatever the signs."""
         table = base.table(at, joined)
         if isinstance(self.form, GapForm):
@@ -633,8 +636,8 @@ class EventSearch:
             table = np.column_stack((before, table[:, 0]))
         if not np.all(np.diff(table.ravel()) > 0.0):
             raise WrongTopology("zones or gaps have no width", None)
-        load, ends = float(np.exp(at)), _OPTIONS.ends
-        return self._point(self.form.formal(load, table, ends, ends**2), at)
+        decay = _OPTIONS.ends**2
+        return self._point(self.form.formal(float(np.exp(at)), table, ends, decay), at)
 
     def _point(self, fields: Fields, at: float, born: Array | None = None) -> PathPoint:
         born = np.zeros((0, 3)) if born is None else born
