@@ -630,8 +630,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
         units = self.problem.units
         z = self._scaled(x) + 1j * (y / units.length)
-        with np.errstate(divide="ignore", invalid="ignore"):  # at ends, on the surface
-            value, slope = self.density.transform_with_slope(z)
+        value, slope = self.density.transform_with_slope(z)
         if self._nominal:
             # The strip and its copies fill the interval (a, b). The nominal pressure P acts outside
             # (a, b), and its transform is -P (i + (1/pi) ln((z - a)/(z - b))).

@@ -66,6 +66,8 @@ def needs_half_plane(operator: Operator) -> None:
         )
 
 
+# At ends, on the surface, transforms are infinite or nan.
+@np.errstate(divide="ignore", invalid="ignore")
 def stress_of(
     fields: Fields, x: Array, y: Array, error: float, lateral: str, nu: float | None
 ) -> Stress:

@@ -167,6 +167,8 @@ class Slip(sie.Kept):
         load = max((one.load for one in self.contacts.values()), default=0.0)
         return _OF_APPROACHES * self.friction**2 * load * wrong
 
+    # At ends, on the surface, transforms are infinite or nan.
+    @np.errstate(divide="ignore", invalid="ignore")
     def stress(
         self, x: ArrayLike, y: ArrayLike, lateral: str = "as loaded", nu: float | None = None
     ) -> Stress:
