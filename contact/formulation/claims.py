@@ -302,7 +302,7 @@ def _common_mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     factor = float(weight @ (rise * panels.difference)) / total if total > 0 else 0.0
     # The rounding of a panel is at least four standard deviations of its rise. So this bound is at
     # least four standard deviations of the fitted factor.
-    if not abs(factor) > 2 / np.sqrt(total):
+    if not abs(factor) > 1 / np.sqrt(total):
         return 0.0, ""
     return abs(factor), (
         f"{_kind(profile)} disagrees with the height: over {np.count_nonzero(usable)} intervals, "
