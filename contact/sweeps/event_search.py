@@ -386,7 +386,7 @@ def follows(low: Solution) -> bool:
     return (
         isinstance(fields, ZoneFields | GapFields)
         and scene.operator.is_plain
-        and not (scene.turned and scene.moment is not None)
+        and not scene.turned
         and not scene.interaction.strip
         and not fields.problem.kappa
     )
@@ -425,7 +425,7 @@ class EventSearch:
     def events(self) -> list[Event] | None:
         """All events in order; None if the search is not certain of them."""
         here, found = self.start, list[Event]()
-        while True:
+        for _ in range(SEARCH.max_steps):
             awaited = self._next(here)
             if awaited is None:
                 return None if self._changes(here) else found
@@ -435,6 +435,7 @@ class EventSearch:
                 rest = self._divided(here)
                 return None if rest is None else found + rest
             found += passed
+        return None
 
     def _divided(self, here: PathPoint) -> list[Event] | None:
         """The events after a contact, with a solution in the middle of the loads that are left."""
@@ -538,6 +539,9 @@ class EventSearch:
             if not jumped(here.ends, there.ends, there.at - here.at, here.period):
                 return events, there
             awaited = Renewal(0.5 * (here.at + there.at))
+            if awaited.at - here.at < SEARCH.rough * SEARCH.doubtful_part:
+                # Without this limit, shorter and shorter steps would never pass the jump.
+                break
         raise WrongTopology("the contact moves too fast with the load", None)
 
     def _located(
