@@ -3,7 +3,9 @@
     python -m contact.studies.pages OUT
 
 OUT/NAME.md replaces the text of a page between `<!-- measured: NAME -->` and `<!-- end -->`;
-OUT/NAME.png becomes docs/images/bench-NAME.png. Tables that are not in OUT stay as they are.
+OUT/NAME.png becomes docs/images/bench-NAME.png. Tables that are not in OUT stay as they are. The
+page shows the short form of a long table (`contact.studies.shortened`); docs/tables/NAME.csv has
+all of it.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import sys
 from pathlib import Path
 
 import contact
+from contact.studies import shortened
 
 ROOT = Path(contact.__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -35,16 +38,31 @@ def filled(page: str, folder: Path) -> str:
         file = folder / f"{found[2]}.md"
         if not file.exists():
             return found[0]
-        return f"{found[1]}\n{file.read_text(encoding='utf-8')}\n{found[3]}"
+        return f"{found[1]}\n{shown(found[2], file.read_text(encoding='utf-8'))}\n{found[3]}"
 
     return PLACE.sub(table, page)
 
 
+def shown(name: str, text: str) -> str:
+    """Return what a page shows of the table with this name: its short form, if there is one."""
+    if name not in shortened.SHORT:
+        return text
+    cells = shortened.SHORT[name](shortened.parsed(text))
+    first, *rest = cells.remarks or [""]
+    link = f"[Full table](tables/{name}.csv). {first}".rstrip()
+    return shortened.markdown(cells._replace(remarks=[link, *rest]))
+
+
 def fill(folder: Path, docs: Path = DOCS) -> None:
-    """Insert the tables and figures of a folder into all pages."""
+    """Insert the tables and figures of a folder into all pages; write long tables as CSV."""
     for name in PAGES:
         page = docs / name
         page.write_text(filled(page.read_text(encoding="utf-8"), folder), encoding="utf-8")
+    for name in shortened.SHORT:
+        if (folder / f"{name}.md").exists():
+            cells = shortened.parsed((folder / f"{name}.md").read_text(encoding="utf-8"))
+            (docs / "tables").mkdir(exist_ok=True)
+            (docs / "tables" / f"{name}.csv").write_text(shortened.as_csv(cells), encoding="utf-8")
     for figure in folder.glob("*.png"):
         shutil.copy(figure, docs / "images" / f"bench-{figure.name}")
 

@@ -18,7 +18,7 @@ import contact
 from contact.commands.cli import main
 from contact.reference import inverse
 from contact.reference.exact import HertzLine, IsolatedWedge, Westergaard
-from contact.studies import ablation, pages
+from contact.studies import ablation, pages, shortened
 from contact.studies.bench import (
     cases,
     clock,
@@ -394,12 +394,59 @@ class TestTables:
 
 class TestPages:
     def test_a_table_takes_its_place_and_the_rest_of_the_page_stays(self, tmp_path):
-        (tmp_path / "scaling.md").write_text("| new |\n", encoding="utf-8")
-        page = "before\n<!-- measured: scaling -->\nold\n<!-- end -->\n<!-- measured: peers -->\nkept\n<!-- end -->\nafter"
+        (tmp_path / "machine.md").write_text("| new |\n", encoding="utf-8")
+        page = "before\n<!-- measured: machine -->\nold\n<!-- end -->\n<!-- measured: peers -->\nkept\n<!-- end -->\nafter"
         filled = pages.filled(page, tmp_path)
         assert "| new |" in filled and "old" not in filled and "kept" in filled
         assert filled.startswith("before\n") and filled.endswith("\nafter")
         assert pages.filled(filled, tmp_path) == filled
+
+    def test_a_long_table_is_shown_short_and_kept_in_full_as_csv(self, tmp_path):
+        rows = [("a|b", "1", "2.0e+00", "x")]
+        table = report.Table("scaling", "", ("series", "zones", "peak memory", "time"), rows)
+        (tmp_path / "scaling.md").write_text(
+            report.markdown(table) + "\nMade at commit 1.\n", encoding="utf-8"
+        )
+        docs = tmp_path / "docs"
+        docs.mkdir()
+        for name in pages.PAGES:
+            (docs / name).write_text("<!-- measured: scaling -->\n<!-- end -->\n", encoding="utf-8")
+        pages.fill(tmp_path, docs)
+        page = (docs / "benchmarks.md").read_text(encoding="utf-8")
+        assert "| series | zones | time |" in page and "| a\\|b | 1 | x |" in page
+        assert "\n[Full table](tables/scaling.csv). Made at commit 1.\n" in page
+        with (docs / "tables" / "scaling.csv").open(encoding="utf-8") as stream:
+            assert list(csv.reader(stream)) == [list(table.columns), *map(list, rows)]
+
+    def test_the_hardest_error_that_another_code_reaches_is_shown(self):
+        heads = ("scene", *(f"max {e}: {code}" for e in ("1e-02", "1e-03") for code in "ab"))
+        rows = [
+            ("one", "1 s", "2 s", "3 s", "4 s"),
+            ("two", "1 s", "2 s", "3 s", "more than 4 s"),
+            ("three", "1 s", "more than 2 s", "3 s", "more than 4 s"),
+        ]
+        short = shortened.hardest_reached(shortened.Cells(heads, rows, []))
+        assert short.columns == ("scene", "error", "a", "b")
+        assert [row[1:] for row in short.rows] == [
+            ("1e-03", "3 s", "4 s"),
+            ("1e-02", "1 s", "2 s"),
+            ("1e-02", "1 s", "more than 2 s"),
+        ]
+
+    def test_scenes_that_another_code_solves_faster_are_shown(self):
+        heads = ("scene", "mean 1e-03: a", "mean 1e-03: b", "mean 1e-04: a", "mean 1e-04: b")
+        rows = [
+            ("one", "2 ms", "90 µs", "3 ms", "4 s"),
+            ("two", "2 ms", "1 s", "3 ms", "4 s"),
+            ("three", "2 ms", "more than 1 µs", "3 ms", "4 s"),
+        ]
+        short = shortened.faster_elsewhere(shortened.Cells(heads, rows, []))
+        assert short.rows == [("one", "2 ms", "90 µs")]
+
+    def test_lost_and_changed_scenes_of_the_ablation_are_added(self):
+        rows = [("it", "1", "2", "1.10", "1.20", "124 of 127", "1.30")]
+        short = shortened.losses(shortened.Cells(ablation.COLUMNS, rows, []))
+        assert short.rows == [("it", "3", "1.20", "3", "1.30")]
 
     def test_every_place_in_the_pages_is_that_of_a_table_that_is_made_and_is_filled(
         self, monkeypatch

@@ -241,7 +241,7 @@ def stability_groups_table(verdicts: list[Verdict]) -> Table:
         outcomes = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
         passed = [v for v in some if v.outcome == "pass"]
         if not passed:
-            out.append((group, outcomes, *("-" for _ in range(5))))
+            out.append((group, outcomes, *("-" for _ in range(6))))
             continue
         worst = max(passed, key=lambda v: (v.condition, v.error))
         out.append(
@@ -250,12 +250,22 @@ def stability_groups_table(verdicts: list[Verdict]) -> Table:
                 outcomes,
                 worst.name,
                 f"{worst.condition:.1e}",
+                worst.why,
                 _number(worst.allowed),
                 _number(worst.error),
                 _number(worst.stated),
             )
         )
-    columns = ("scenes", "outcome", "worst that passes", "condition", "allowed", "error", "stated")
+    columns = (
+        "scenes",
+        "outcome",
+        "worst that passes",
+        "condition",
+        "its origin",
+        "allowed",
+        "error",
+        "stated",
+    )
     return Table("stability", "groups of stiff and extreme scenes", columns, out)
 
 

@@ -1,0 +1,139 @@
+"""Short forms of the measured tables for the pages of docs.
+
+A study writes every column and row of a table. A page has room for the columns and rows that a
+reader needs; `contact.studies.pages` keeps the whole table as a CSV file beside the page.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+Row = tuple[str, ...]
+
+UNITS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
+
+
+class Cells(NamedTuple):
+    """The text cells of a Markdown table, and the lines below the table."""
+
+    columns: Row
+    rows: list[Row]
+    remarks: list[str]
+
+
+def parsed(text: str) -> Cells:
+    """Read the first Markdown table of a text, as `contact.studies.bench.report` writes it."""
+    lines = [line for line in text.splitlines() if line.strip()]
+    table = [_cells(line) for line in lines if line.startswith("|")]
+    return Cells(table[0], table[2:], [line for line in lines if not line.startswith("|")])
+
+
+def _cells(line: str) -> Row:
+    parts = re.split(r"(?<!\\)\|", line.strip())[1:-1]
+    return tuple(part.strip().replace("\\|", "|") for part in parts)
+
+
+def markdown(cells: Cells) -> str:
+    """Write a table in Markdown, with its remarks below."""
+    lines = ["|" + "---|" * len(cells.columns)]
+    for row in (cells.columns, *cells.rows):
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |")
+    table = [lines[1], lines[0], *lines[2:]]
+    return "\n".join([*table, "", *cells.remarks]) + "\n"
+
+
+def as_csv(cells: Cells) -> str:
+    """Write the table as CSV text."""
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows([cells.columns, *cells.rows])
+    return stream.getvalue()
+
+
+def columns(*names: str) -> Callable[[Cells], Cells]:
+    """Return a short form with the named columns; a column that the table lacks is left out."""
+
+    def short(cells: Cells) -> Cells:
+        # Two columns of one name are numbers 1 and 2: "true error" and "true error#2".
+        seen: dict[str, int] = {}
+        for index, name in enumerate(cells.columns):
+            seen[name if name not in seen else f"{name}#2"] = index
+        return picked(cells, [seen[name] for name in names if name in seen])
+
+    return short
+
+
+def picked(cells: Cells, indices: Sequence[int]) -> Cells:
+    """Return the table with the columns of these indices."""
+    rows = [tuple(row[k] for k in indices) for row in cells.rows]
+    return cells._replace(columns=tuple(cells.columns[k] for k in indices), rows=rows)
+
+
+def hardest_reached(cells: Cells) -> Cells:
+    """Short form of the times of several codes: for each scene the smallest error reached.
+
+    The columns are the scene, then for each bound of the error, falling, one column for each code,
+    named "bound: code". A bound counts as reached if a code other than the first reaches it. If none
+    is, the largest bound is shown.
+    """
+    bounds = list(dict.fromkeys(name.partition(": ")[0] for name in cells.columns[1:]))
+    codes = list(dict.fromkeys(name.partition(": ")[2] for name in cells.columns[1:]))
+    rows: list[Row] = []
+    for scene, *times in cells.rows:
+        blocks = [times[k * len(codes) : (k + 1) * len(codes)] for k in range(len(bounds))]
+        reached = [
+            k for k, block in enumerate(blocks) if any(cell[:1].isdigit() for cell in block[1:])
+        ]
+        chosen = max(reached, default=0)
+        rows.append((scene, bounds[chosen].split()[-1], *blocks[chosen]))
+    return cells._replace(columns=(cells.columns[0], "error", *codes), rows=rows)
+
+
+def faster_elsewhere(cells: Cells) -> Cells:
+    """Short form of the times to the largest bound: scenes that another code solves faster."""
+    count = len({name.partition(": ")[2] for name in cells.columns[1:]})
+    first = picked(cells, range(1 + count))
+    rows = [row for row in first.rows if min(map(_seconds, row[2:])) < _seconds(row[1])]
+    return first._replace(rows=rows)
+
+
+def _seconds(cell: str) -> float:
+    """Return the time of a cell such as "90.4 µs"; infinity if the cell has none."""
+    number, _, unit = cell.partition(" ")
+    return float(number) * UNITS[unit] if unit in UNITS else math.inf
+
+
+def losses(cells: Cells) -> Cells:
+    """Short form of the ablation: scenes lost or changed, and times."""
+    rows: list[Row] = []
+    for name, lost, changed, _, ordinary, within, extreme in cells.rows:
+        counts = re.findall(r"\d+", within)
+        missed = str(int(counts[1]) - int(counts[0])) if len(counts) == 2 else "not run"
+        rows.append((name, str(int(lost) + int(changed)), ordinary, missed, extreme))
+    heads = ("off", "ordinary scenes lost or changed", "time", "extreme scenes lost", "time")
+    return cells._replace(columns=heads, rows=rows)
+
+
+def largest(cells: Cells) -> Cells:
+    """Short form of the rows of many intervals: the last row of each case."""
+    last = {row[0]: row for row in cells.rows}
+    return picked(cells._replace(rows=list(last.values())), (0, 1, 2, 5, 6, 7))
+
+
+# The names are those of the tables' files.
+SHORT: dict[str, Callable[[Cells], Cells]] = {
+    "ablation": losses,
+    "curves": columns("curve", "loads", "time", "largest stated error"),
+    "hierarchy": columns("scene", "m=0", "m=1", "m=4", "m=16", "first order"),
+    "many-intervals": largest,
+    "peers": hardest_reached,
+    "peers-mean": faster_elsewhere,
+    "precision": columns("scene", "time, tol 1e-04", "time, tol 1e-12", "true error#2", "stated#2"),
+    "scaling": columns("series", "zones", "nodes", "time", "time grows as"),
+    "stability": columns("scenes", "outcome", "condition", "its origin", "error"),
+    "stability-exceptions": columns("scene", "outcome"),
+}
