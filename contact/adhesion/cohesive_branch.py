@@ -370,7 +370,7 @@ def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float)
 
 
 def under_all(context: SolveContext, problem: Problem) -> Array | None:
-    """Scaled zones of contact under tension on the whole period; None in full contact.
+    """Scaled zones of contact if the tension acts on every open gap; None in full contact.
 
     Raises ContactLost if there is no contact.
     """

@@ -208,8 +208,8 @@ class _CohesivePath:
         else:
             zones = here.contact[np.diff(here.contact, axis=1)[:, 0] > 0.0]
             start = self.curve.from_zones(here.table, value, zones)
-        # `far` is an approach far below zero. The reach and the present approach are below the
-        # fraction `resting_step` of its modulus.
+        # `far` is an approach so far below zero that the reach of the tension and the present
+        # approach are small beside it: their sum is the fraction `resting_step` of the way.
         far = value - (self.curve.reach + abs(value)) / ACCURACY.resting_step
         try:
             for found in LoadingPath(self.events).to(PathState(value, start), far):

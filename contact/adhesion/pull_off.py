@@ -103,7 +103,10 @@ def _end(curve: Curve, here: State, past_cut: Callable[[State], float]) -> _End:
 def _end_in(
     curve: Curve, step: Step, length: float, last: State, past_cut: Callable[[State], float]
 ) -> _End:
-    """The end of the curve inside a step. `last`: the equilibrium after `length` of the step."""
+    """The end of the curve of equilibria, which lies inside the given step.
+
+    last: the equilibrium at the distance `length` from the step's start.
+    """
     if step.lets_go and not step.turns:
         return _End(last, let_go(step), lambda: last)
     first = past_cut(step.start.at)

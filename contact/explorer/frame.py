@@ -184,8 +184,9 @@ def below(
     columns: int,
     find_largest: bool,
 ) -> Below:
-    """The largest shear stress, or for "mises" the von Mises stress, in `columns` columns.
+    """The stress below the surface on a grid of `columns` columns, for the picture.
 
+    kind: "mises" for the von Mises stress, else the largest shear stress in the plane;
     stretch: interval of x [m], None for all; find_largest: whether the largest stress of the body
     is found, too.
     """

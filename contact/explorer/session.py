@@ -128,7 +128,7 @@ class Session:
         self.moduli = moduli_handles(self.tables.get("material", {}))
         self.known = handles(self.base, solution)
         if self.moduli:
-            # E* follows from the moduli, and a law's parameters may, such as beta.
+            # E* follows from the moduli. Parameters of the law may follow from them, too.
             given = self.tables.get("law", {})
             moduli = self.tables["material"]
             follow = set(_completed(given, moduli)) - set(given) if given else set()

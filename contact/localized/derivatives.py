@@ -116,14 +116,14 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def alone(self) -> Array:
-        """Motions of the zone ends of the contact `at.alone`, for a unit of nominal pressure."""
+        """Rates of the zone ends of the contact `at.alone`, by the nominal pressure."""
         return self.at.period * moved_ends(
             self.at.alone.fields.state, 0, tolerance=OPTIONS.tolerance
         )
 
     @cached_property
     def alone_by_centre(self) -> Array:
-        """Motions of the zone ends of the contact `at.alone`, for a unit motion of the strip.
+        """Rates of the zone ends of the contact `at.alone`, by the centre of the strip.
 
         An end at a border of the strip moves with this border, and the other ends react.
         """

@@ -67,7 +67,11 @@ class PlasticFields(ZoneFields):
         return np.asarray(self.problem.units.x(self.true_spots.plateaus))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure [Pa] at x [m]; on a rim that is narrower than its zone, by its true width."""
+        """Pressure [Pa] at x [m].
+
+        A very narrow rim is stored as a wider zone. There the pressure follows from the rim's true
+        width.
+        """
         scaled, zones = self._scaled(x), self.density.zones
         value = np.asarray(self.density(scaled))
         if zones.depth.any():

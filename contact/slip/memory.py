@@ -70,7 +70,7 @@ class Segment:
 
 
 class Memory:
-    """The function h of the load, updated by each straight segment of the path of (P, Q).
+    """The function h of the head of this module, updated by each segment of the path of (P, Q).
 
     Parameters
     ----------

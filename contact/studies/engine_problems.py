@@ -80,7 +80,7 @@ def angles(count: int = 9) -> Array:
 
 @dataclass(frozen=True)
 class Design:
-    """A designed density phi = +-P |Y| on given zones, with P and Y of the head of this module.
+    """A designed density phi = +-P |Y| on given zones; the head of this module defines P and Y.
 
     `ends` and `signs` are (n, 2); the signs are -1 for singular and 1 for bounded ends. `roots`,
     `pole` (and its conjugate) and `factor` are those of P. Without a period the zones lie on a

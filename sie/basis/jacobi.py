@@ -205,9 +205,9 @@ def _table_from_end(family: Family, count: int, distance: Array) -> Array:
     return np.moveaxis(rows, 0, -1)
 
 
-# The functions below give the transforms F_n of a family: those of p_n w, or of q_n (1 - t^2) w,
-# divided by pi. A point zeta in the right half plane is given by less = zeta - 1 and left = zeta +
-# 1. The recurrence runs for f_n = F_n / p_n(1).
+# The functions below give the transforms F_n of a family. F_n is the transform of p_n w, or of
+# q_n (1 - t^2) w, divided by pi. A point zeta in the right half plane is given by less = zeta - 1
+# and left = zeta + 1. The recurrence is that of f_n = F_n / p_n(1).
 def log_ratio(less: Number, left: Number) -> Number:
     """log((zeta - 1) / (zeta + 1)), with all digits near both ends and far away."""
     near = np.minimum(np.abs(less), np.abs(left)) < 2.0

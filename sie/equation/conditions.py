@@ -478,9 +478,10 @@ class ZoneTotals(Condition):
 
 @dataclass(frozen=True)
 class EqualPotential(Condition):
-    """The condition that potential minus primitive has the same, unknown value on all zones.
+    """The condition that the potential minus the primitive of g is the same constant on all zones.
 
-    These are n - 1 conditions for n zones. The right side needs its primitive.
+    The constant is unknown, so that these are n - 1 conditions for n zones. The right side g must
+    have its primitive.
 
     Examples
     --------

@@ -300,9 +300,10 @@ class Forcing(Kept):
         return len(self.jumps.of_order_zero[0]) > 0
 
     def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
-        """The jumps inside zones, and the poles whose sums replace algebraic points |x - s|^p.
+        """The jumps inside zones, and the poles whose sums replace powers |x - s|^p.
 
-        If ends have prescribed values, the logarithms of the plateaus beside the zones are added.
+        If ends have prescribed values, a density constant beside each zone (a plateau) is added. It
+        causes logarithms in the right side at the ends.
         """
         jumps = self.jumps
         if len(jumps) or jumps.algebraic is not None:

@@ -168,9 +168,10 @@ class IterativeSystem(System):
 
     @cached_property
     def springs(self) -> Array:
-        """Coefficient of c_0 divided by the coefficient of the level, in each zone's own condition.
+        """For each zone, the factor of c_0 in its condition, divided by the factor of the level.
 
-        It is 0 if the condition contains no level, or differences of levels.
+        c_0 is the first coefficient of the density, and the level is the constant part of the
+        potential. The result is 0 if the condition contains no level, or differences of levels.
         """
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))

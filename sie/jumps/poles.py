@@ -98,7 +98,7 @@ class AlgebraicPoints:
 
     @cached_property
     def weights(self) -> Complex:
-        """For each algebraic point, the common factor of the coefficients of the point's poles."""
+        """For each point, the factor that the coefficients c_k of all its poles have in common."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
         # `cosdg` and `sindg` (angles in degrees) are exactly zero at their zeros. So the weights
         # are exactly zero if the term of the point is a polynomial.
@@ -115,10 +115,10 @@ class AlgebraicPoints:
         return float(np.asarray(self.exponents)[self._at(place)].min())
 
     def poles(self, place: int, farthest: float) -> tuple[Array, Complex]:
-        """(distances from the line, coefficients) of the poles for all points at one position.
+        """(distances eta from the line, coefficients c) of the poles that stand for one position.
 
-        `place` is the index of the position in `places`. The largest distance is `farthest`. All
-        powers at the position share the same poles.
+        `place` is the index of the position in `places`. The largest distance is `farthest`. If
+        there are several powers |x - s|^p at this position, they share the poles.
         """
         rows = self._at(place)
         p, weights = np.asarray(self.exponents)[rows], self.weights[rows]

@@ -37,7 +37,7 @@ Number = NDArray[Any]
 
 @record
 class KnownJumps(Kept):
-    """The jumps on one zone of g (`order` 0), or of its derivative of the order k = `order`.
+    """The jumps, on one zone, of g (`order` 0) or of the derivative of g of the order k = `order`.
 
     x: their places; closed: their closed forms; factors: J w^k / k! (see the head of this module).
     Far from the zone all its jumps together are one series of Chebyshev moments.

@@ -71,8 +71,8 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     by_totals = kinds == [ZoneTotals] and not held
     if not by_totals and (kinds or held != list(range(len(zones)))):
         return (
-            "the totals of the zones, and no other conditions, are known with kappa, or one "
-            "bounded fixed end of each zone"
+            "with kappa, the conditions must be the totals of all zones and nothing else, or each "
+            "zone must have one bounded fixed end and no condition"
         )
     return None
 
@@ -468,7 +468,10 @@ class ManySolver:
         )
 
     def projected(self, values: Array) -> Array:
-        """Right side from `values`: sin(theta) times a function at the nodes, then the totals."""
+        """The right side of the solved equations, from the values of the full equations.
+
+        values: sin(theta) times a function at the nodes, followed by the totals.
+        """
         count, sines = len(self.rows.others), self.rows.dense.points[1]
         of_equation = self.rows.sums.projected(values[:count] / sines)
         return np.concatenate((of_equation, values[count:]))

@@ -182,7 +182,10 @@ class SecondKindRows(Rows):
         return sines[:, None] * self.left_side(targets), sines * self.right_side(targets)
 
     def right_side(self, targets: Targets) -> Array:
-        """The right side at points on the zones, minus the left side of the jumps' densities."""
+        """The right side for the smooth density, at points on the zones.
+
+        It is the given right side minus the left side for the densities that the jumps cause.
+        """
         out = self.forcing_at(targets)
         zones, kernel = self.zones, self.equation.kernel
         if self.beside is not None:

@@ -165,9 +165,9 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _edged(self) -> Density:
-        """The smooth part of the density, plus the unbounded part of the density due to the slack.
+        """The smooth part of the density, plus the part due to the slits that is singular at ends.
 
-        The slack is the unknown function in the slits. The unbounded part is (alpha + beta t) /
+        This singular part is (alpha + beta t) /
         sqrt(1 - t^2), with the coordinate t of the wide zone.
         """
         alpha, beta = (part.copy() for part in self.smooth.singular)
@@ -249,8 +249,8 @@ class SlitDensity(DensityBase):
                 left[here.zone] += scale * kink.edge_slopes[0]
                 right[here.zone] += scale * kink.edge_slopes[1]
         slopes_left, slopes_right = self.edges((left, right), self._sigma_slopes, (1.0, -1.0))
-        # The factor 1 / sqrt(1 - t^2) varies along the wide zone, so that the intensity K
-        # contributes to the edge slope A.
+        # Beside an end the density is K / sqrt(d) + A sqrt(d). The factor 1 / sqrt(1 - t^2) varies
+        # with d, so that K contributes to A.
         k_left, k_right = self.intensities
         before, after = self.geometry.slit_before, self.geometry.slit_after
         by_left, by_right = (

@@ -333,7 +333,9 @@ def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
 def _within(
     jumps: ForcingJumps, zone: int, start: Array, length: Array
 ) -> tuple[Index, ForcingJumps]:
-    """Jumps in the slits of a zone: (indices of those in `jumps`, those at spline knots).
+    """The jumps that lie in the slits of a zone.
+
+    Returns the indices in `jumps` of single jumps, and the jumps at spline knots as jumps.
 
     start, length: distance of each slit from the zone's left end and width of the slit, both
     divided by the zone's half width.

@@ -156,7 +156,7 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     """Numbers of coupled modes for the next solve; None if the present numbers suffice.
 
     Each zone gets its own number, since it would cost too much to give all zones as many as the
-    worst one. Coefficients below the error of an iteration are not tails.
+    worst one. Last coefficients (tails) below the error of an iteration are no reason for more.
     """
     m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
     kernel, sizes = state.equation.kernel, state.sizes

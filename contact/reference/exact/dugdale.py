@@ -580,7 +580,7 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
     @cached_property
     def least_cohesive_end(self) -> float:
-        """End of the cohesive intervals at the beginning of contact.
+        """End of the cohesive intervals in the state in which the bodies first touch.
 
         It is half the period if the intervals meet in all states.
         """

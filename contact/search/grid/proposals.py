@@ -38,8 +38,9 @@ def proposed(
     units, profile, by_load = problem.units, problem.profile, control.load is not None
     detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
     if detail is not None:
-        # A Newton step may move an end by about the length over which the kernel varies. Grid cells
-        # may therefore be up to twice this length. `detail` is divided into `per_feature` cells.
+        # A Newton step may move an end by about the length over which the kernel varies. So a grid
+        # cell may be up to twice this length, and `detail`, which the grid divides into
+        # `per_feature` cells, up to 2 `per_feature` times this length.
         cells = 2 * nested_grids.OPTIONS.per_feature
         detail = min(detail, cells * problem.kernel.length * units.length)
     return propose(
