@@ -121,3 +121,34 @@ def test_noise_of_differences_is_not_taken_for_waves(fraction):
     # Some hundred heights a place of a thousand: as many again for each load on the way, or for
     # waves of no body, are many millions.
     assert own.asked < 1_000_000
+
+
+class Bumps(contact.Profile):
+    """Five equal bumps on a level plane that has no end."""
+
+    tips = 1e-3 * np.arange(-2, 3)
+
+    def height(self, x):
+        return -1e-6 * np.exp(-0.5 * self._from_tips(x) ** 2).sum(axis=-1)
+
+    def slope(self, x):
+        u = self._from_tips(x)
+        return 1e-2 * (u * np.exp(-0.5 * u**2)).sum(axis=-1)
+
+    def _from_tips(self, x):
+        return (np.asarray(x)[..., None] - self.tips) / 1e-4
+
+
+class BumpsWithAnEnd(Bumps):
+    extent = (-1e-2, 1e-2)
+
+
+def test_a_level_body_names_where_it_would_meet_the_other_again():
+    """The displacement of a half-plane grows without limit, so a level body meets the other."""
+    light = contact.solve(contact.Scene(Bumps(), 1e11, contact.Isolated(), load=100.0))
+    assert len(light.zones) == 5
+    heavy = contact.Scene(Bumps(), 1e11, contact.Isolated(), load=2e4)
+    with pytest.raises(contact.OutOfRange, match=r"levels off.*extent"):
+        contact.solve(heavy)
+    solved = contact.solve(contact.Scene(BumpsWithAnEnd(), 1e11, contact.Isolated(), load=2e4))
+    assert len(solved.zones) == 5 and solved.certificate.holds

@@ -435,7 +435,7 @@ class _Window:
             window = wanted
         raise NoWindow(
             f"no window holds the contact (last tried: {window}): does the profile rise on both "
-            "sides? Where it levels off, alone it bears light loads only"
+            "sides? A profile that levels off far away bears only light loads without an `extent`"
         )
 
     def at_level(

@@ -20,6 +20,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
+from contact.model.profiles.noise import ROUND_OFF
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
 from contact.search.grid.nested_grids import Height, NoWindow, find_window, grid_height
@@ -36,6 +37,9 @@ from contact.search.grid.tilt import (
 from contact.search.options import SEARCH
 from contact.search.topology.loop import MAX_ROUNDS
 from sie import Array, record
+
+# A profile is level far away if its heights there differ by less than this fraction of its rise.
+LEVEL = 1e-12
 
 
 @record
@@ -235,12 +239,33 @@ def _window_of_shape(profile: Profile) -> Window | None:
     outer = TILT.places // 4  # beyond these samples the shape is level
     if (
         not np.isfinite(rise).all()
-        or np.ptp(rise[-outer:]) + np.ptp(rise[:outer]) > 1e-12 * rise.max()
+        or np.ptp(rise[-outer:]) + np.ptp(rise[:outer]) > LEVEL * rise.max()
     ):
         return None
     lowest_at = x[int(np.argmin(rise))]
     half = float(np.abs(x - lowest_at)[rise > 0.5 * rise.max()].min(initial=np.inf))
     return (float(lowest_at) - half, float(lowest_at) + half) if 0.0 < half < np.inf else None
+
+
+def meets_far_away(scene: Scene, window: Window) -> float | None:
+    """Distance [m] at which a body that is level far away meets the other body under the load.
+
+    The displacement of a half-plane grows like the logarithm of the distance, (2 P / pi E*) ln(x),
+    and so exceeds any rise of the profile. None if the body is not level far away, if no load is
+    given, or if the distance is larger than that of all points where the gap is tested.
+    """
+    profile, load = scene.profile, scene.given_load
+    known = profile.period is not None or known_part(profile) is not None
+    if known or scene.turned or not load or scene.operator.rest is not None:
+        return None
+    half = 0.5 * (window[1] - window[0])
+    far = half * TILT.farthest
+    heights = np.asarray(profile.height(np.array([-far, -0.5 * far, 0.5 * far, far])))
+    rise = float(heights.min()) - lowest(profile, window)
+    ratio = math.pi * scene.E_star * rise / (2.0 * load)
+    if not np.ptp(heights) <= LEVEL * rise or ratio > -math.log(ROUND_OFF):
+        return None
+    return half * math.exp(ratio)
 
 
 def _deeper_place(profile: Profile, window: Window) -> float | None:

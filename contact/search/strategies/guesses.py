@@ -23,7 +23,7 @@ from contact.formulation.problem import Problem
 from contact.search.context import SolveContext
 from contact.search.grid.nested_grids import MOST_POINTS, Proposal
 from contact.search.grid.proposals import about, placed, proposed
-from contact.search.grid.scaling import ScaledScene
+from contact.search.grid.scaling import ScaledScene, meets_far_away
 from contact.search.grid.tilt import known_part
 from contact.search.options import SEARCH
 from contact.search.strategies.full_contact import (
@@ -375,6 +375,12 @@ class _GridSearch:
         """The error to raise if no grid led to the contact."""
         context, problem, failure = self.context, self.scaled.problem, self.failure
         is_full = last is not None and last.full
+        distance = meets_far_away(context.scene, self.scaled.cell)
+        if distance is not None:
+            return OutOfRange(
+                f"the profile levels off, and under this load the bodies meet again about "
+                f"{distance:.1g} m away: give the profile an `extent`, or a smaller load"
+            )
         width = 0.0 if last is None else last.width / problem.units.length
         has_no_inverse = context.operator.is_periodic and not context.operator.has_inverse
         if is_full and has_no_inverse:
