@@ -193,7 +193,7 @@ def test_filters_are_one_line_each_in_a_scene(tmp_path: Path) -> None:
         ({"fill": "zero"}, "fill = "),
         ({"detrend": 13}, "detrend = 13"), ({"detrend": True}, "detrend = True"), ({"detrend": "cube"}, "detrend = 'cube'"),
         ({"missing": True}, "missing = True"), ({"missing": ""}, "missing = ''"),
-        ({"channel": "Z"}, "channel = 'Z'"), ({"line": 3}, "line = 3"),
+        ({"channel": "Z"}, "channel = 'Z'"), ({"line": 3}, "line is for a map"),
     ],
     ids=str,
 )  # fmt: skip

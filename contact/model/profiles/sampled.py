@@ -88,11 +88,12 @@ def read_trace(
         The points: arrays (x, z), or heights z with their pitch; NaN and masked heights are
         missing; arrays of pint are read in their units. Or a line scan of SurfaceTopography. Or a
         file: its name, or an open file or stream of text or bytes. Endings such as x3p, sur, opd,
-        plu, OPDx or gwy are read by the extra `instruments`; all others are text, in UTF-8, UTF-16
-        or Latin-1, also under gzip.
+        plu, OPDx, gwy, nc (of SurfaceTopography) or xlsx (of Mitutoyo SurfTest) are read by the
+        extra `instruments`. All others are text, in UTF-8, UTF-16 or Latin-1, also under gzip: two
+        columns, or the rows x, y, z of a map.
     columns : sequence of int or str
-        Columns of positions and heights, from 0 or by name; may be left out where no others hold
-        numbers.
+        Columns of positions and heights (of a map: x, y and z), from 0 or by name; may be left out
+        where no others hold numbers.
     units : str or two of them, or None
         m, cm, mm, um, nm, A, pm, in, mil and others, of both or of positions and heights; None: the
         header's, else m (arrays: m).
@@ -125,7 +126,8 @@ def read_trace(
         Name of the channel, or its number from 0 among those of heights, where an instrument's file
         has several.
     line : int, or two points, or None
-        The line of a map: its number from 0, or [[x, y], [x, y]] [m] from where to where.
+        The line of a map, which a text file gives as rows of x, y and z on a grid: its number from
+        0, or [[x, y], [x, y]] [m] from where to where.
     along : str or None
         "x" (as if left out) or "y": the direction of a numbered line.
     invert : bool or None

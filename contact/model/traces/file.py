@@ -8,7 +8,7 @@ both and the option that selects each.
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, pairwise
+from itertools import combinations, islice, pairwise
 from math import nan
 from typing import Any
 
@@ -67,7 +67,7 @@ class Header:
 
 @dataclass(frozen=True)
 class Table:
-    """The numbers in the wanted columns, (n, 1) or (n, 2), their line numbers, and the header."""
+    """The numbers in the wanted columns (n, 1 to 3), their line numbers, and the header."""
 
     values: Array
     lines: NDArray[np.int64]
@@ -99,7 +99,7 @@ def read_table(
     missing: Any = None,
 ) -> Table:
     """Read the wanted columns of a file: 2 columns for positions and heights, 1 for heights
-    alone.
+    alone, 3 for x, y and z of a map.
 
     The data begin with the first two successive rows whose columns are numbers, and reach to the
     end of the file; empty lines and comments (#) are skipped. columns: indices from 0, or names of
@@ -143,7 +143,8 @@ def in_metres(path: Source, table: Table, units: Any) -> tuple[Array, str]:
     place = f"line {line} of the file {shown(str(path))}"
     both = tuple("?" if unit is None else unit.word for unit in said)
     if units is not None:
-        given = scales(units)[-count:]
+        along, up = scales(units)
+        given = (along,) * (count - 1) + (up,)
         for unit, scale in zip(said, given, strict=True):
             if unit is not None and unit.scale is not None and unit.scale != scale:
                 allowed = f"left out or {written(both)}, as {place} says (or the header put right)"
@@ -170,18 +171,18 @@ def in_metres(path: Source, table: Table, units: Any) -> tuple[Array, str]:
 
 def _columns(columns: Any, wanted: int) -> tuple[int | str, ...]:
     """The columns that the user gives, after a check; empty if the user gives none."""
-    allowed = (
-        "two different column indices (from 0) or names"
-        if wanted == 2
-        else "with a pitch one column, of heights: [1], or a name"
-    )
+    allowed = {
+        1: "with a pitch one column, of heights: [1], or a name",
+        2: "two different column indices (from 0) or names",
+        3: "the three columns of x, y and z of a map: indices (from 0) or names",
+    }[wanted]
     if (
         isinstance(columns, str)
         or not isinstance(columns, Sequence)
         or len(columns) not in (0, wanted)
     ):
         raise SceneError.of("columns", columns, allowed)
-    if len(columns) == 2 and columns[0] == columns[1]:
+    if any(one == other for one, other in combinations(columns, 2)):
         raise SceneError.of("columns", columns, allowed)
     return tuple(c if isinstance(c, str) else integer("columns", c) for c in columns)
 
@@ -304,7 +305,8 @@ def _why_none(
     width = max(widths, default=0)
     lacking = [column for column in wanted if isinstance(column, int) and column >= width > 0]
     if lacking:
-        return f": column {lacking[0]} is not there, the last of the {width} is {width - 1}"
+        of_map = "; line is for a map of x, y and z only" if len(wanted) == 3 else ""
+        return f": column {lacking[0]} is not there, the last of the {width} is {width - 1}{of_map}"
     return ": columns says in which they are"
 
 

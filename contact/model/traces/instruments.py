@@ -25,7 +25,7 @@ FORMATS = tuple(
     (
         "x3p sur pro sdf di spm mdt opd opdx ibw mi datx tif tiff tmd vk3 vk4 vk6 vk7 zmg zon os3d "
         "al3d ezd nid bcr bcrf dat gwy plu apx frt lext oir poir cur stp tom top plux jpk mnt qep "
-        "nms mat"
+        "nms mat nc xlsx"
     ).split()
 )
 # File name endings of instrument formats that may be plain text. Here the ending alone decides.
@@ -77,7 +77,9 @@ def read_instrument(
         channels = [found for found in reader.channels if found.is_height_channel]
         names = [found.name for found in channels]
     except Exception as error:  # the readers raise many kinds of errors
-        raise at(path, 0, f"no reader of an instrument's format takes it ({error})") from error
+        raise at(
+            path, 0, f"no reader of an instrument's format takes it: {_advice(error)}"
+        ) from error
     chosen = channels[_place(path, names, channel)]
     try:
         surface = chosen.topography()
@@ -88,6 +90,17 @@ def read_instrument(
         raise at(path, 0, "the file says no unit of its lengths: export it as text")
     x, height, where = points_of(path, surface, line, along)
     return x, height, f"channel {chosen.name!r}, lengths in the file's units{where}"
+
+
+def _advice(error: Exception) -> str:
+    """What went wrong, if one reader says so; else the formats that can be read."""
+    said = str(error)
+    if said and "\n" not in said.strip():
+        return said
+    return (
+        f"read are files of {', '.join(FORMATS)} (of nc those that SurfaceTopography writes, of "
+        "xlsx those of Mitutoyo SurfTest), and text of two columns or of x, y and z"
+    )
 
 
 def points_of(
@@ -107,7 +120,7 @@ def points_of(
         if line is not None or along is not None:
             raise SceneError.of("line", line, "left out, with along: this is one line scan, no map")
         return positions, heights, ""
-    x, height, where = _of_map(heights, surface.physical_sizes, line, along)
+    x, height, where = of_map(heights, surface.physical_sizes, line, along)
     return x, height, f", {where}"
 
 
@@ -132,9 +145,13 @@ def _place(path: Source, names: list[str], channel: Any) -> int:
     return names.index(channel)
 
 
-def _of_map(
+def of_map(
     heights: Array, sizes: tuple[float, float], line: Any, along: Any
 ) -> tuple[Array, Array, str]:
+    """Positions and heights on a line of a map with even distances, and which line it is.
+
+    sizes: lengths [m] of the map in x and y, one distance longer than from first to last point.
+    """
     nx, ny = heights.shape
     dx, dy = sizes[0] / nx, sizes[1] / ny
     if isinstance(line, (list, tuple, np.ndarray)):

@@ -42,6 +42,7 @@ from contact.model.traces.file import in_metres, read_table
 from contact.model.traces.filters import low_pass, refuse_cut_offs
 from contact.model.traces.instruments import is_instrument_file, points_of, read_instrument
 from contact.model.traces.text import Given, Source, at, short_name
+from contact.model.traces.text_map import read_map
 from contact.model.units import quantity
 from sie import Array
 
@@ -150,7 +151,7 @@ _LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimit
 # Arguments that are lengths [m], and may be quantities with units.
 _LENGTHS = ("pitch", "lambda_s", "lambda_c", "period")
 _PLACE = dict.fromkeys(("channel", "line", "along"))
-_OF_INSTRUMENTS = "a table of text has columns, and channels and lines are an instrument file's"
+_OF_INSTRUMENTS = "a table of text has columns; channels are an instrument file's"
 
 
 def load_trace(path: Any, **keys: Any) -> Trace:
@@ -174,8 +175,10 @@ def load_trace(path: Any, **keys: Any) -> Trace:
         return prepared(Reading(ARRAYS, x, height, lines, said, sure=sure), preparation)
     path = source_of(path)
     if not is_instrument_file(path):
-        _left_out(place, _OF_INSTRUMENTS)
-        return prepared(_table(path, **layout), preparation)
+        _left_out({"channel": place.pop("channel")}, _OF_INSTRUMENTS)
+        is_map = any(value is not None for value in place.values())
+        table = _map(path, **place, **layout) if is_map else _table(path, **layout)
+        return prepared(table, preparation)
     _left_out(layout, "an instrument's own format says it")
     x, height, said = read_instrument(path, **place)
     return prepared(Reading(path, x, height, np.zeros(x.size, dtype=np.int64), said), preparation)
@@ -292,9 +295,8 @@ def _table(
 ) -> Reading:
     """The content of a file that is a text table."""
     step = None if pitch is None else positive("pitch", pitch)
-    if missing is not None and not (isinstance(missing, str) and missing.strip()):
-        missing = finite("missing", missing, "a word or a number of the file")
-    table = read_table(path, columns, decimal, delimiter, 2 if step is None else 1, missing)
+    wanted = 2 if step is None else 1
+    table = read_table(path, columns, decimal, delimiter, wanted, _missing(missing))
     values, said = in_metres(path, table, units)
     height = values[:, -1]
     x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
@@ -310,6 +312,24 @@ def _table(
         doubts = (f"{short_name(path)}: {what}; if that stands for no height, missing says so",)
     sure = units is not None or table.header.line > 0
     return Reading(path, x, height, table.lines, said, table.header.depth, sure, doubts)
+
+
+def _map(path: Source, line: Any, along: Any, pitch: Any, units: Any, **layout: Any) -> Reading:
+    """A line of a map that a text file gives as x, y and z."""
+    if pitch is not None:
+        raise SceneError.of("pitch", pitch, "left out with line: a map of text has x, y and z")
+    layout["missing"] = _missing(layout["missing"])
+    x, height, said, table = read_map(path, line, along, units, **layout)
+    sure = units is not None or table.header.line > 0
+    lines = np.zeros(x.size, dtype=np.int64)
+    return Reading(path, x, height, lines, said, table.header.depth, sure)
+
+
+def _missing(mark: Any) -> Any:
+    """The mark of missing heights, after a check: a word or a number; None without one."""
+    if mark is None or (isinstance(mark, str) and mark.strip()):
+        return mark
+    return finite("missing", mark, "a word or a number of the file")
 
 
 def _refuse_repeated(path: Source, x: Array, lines: NDArray[np.int64]) -> None:

@@ -190,10 +190,12 @@ def refuse_unclear_columns(data: Data) -> None:
         f"columns = {choice} for {' and '.join(shown(names[k]) for k in choice)}"
         for choice in choices
     )
-    what = "positions and heights" if wanted == 2 else "the heights"
+    what = ("the heights", "positions and heights", "x, y and the heights")[wanted - 1]
     row = shown(" | ".join(data.cells[i])).strip("'")
     unclear = f"{len(numeric)} columns of numbers, {row}: which are {what} is not to be told"
     cure = f"write {readings}, or as they are, counted from 0"
+    if wanted == 2 and len(numeric) == 3:
+        cure += "; if they are x, y and z of a map, write line, the number of its line"
     raise at(data.path, data.rows[i][0], f"{unclear}; {cure}")
 
 
