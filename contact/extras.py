@@ -14,6 +14,7 @@ from sie import uncollected
 # For each optional package, the extra (`pip install sie-contact[extra]`) that installs it.
 EXTRAS = {
     "matplotlib": "plot",
+    "pandas": "io",
     "xarray": "io",
     "h5netcdf": "io",
     "h5py": "io",

@@ -22,7 +22,7 @@ import contact
 import sie
 from contact.extras import require
 from contact.model.registry import parameters
-from contact.model.units import prefix, quantity
+from contact.model.units import quantity, scaled
 from contact.solution.sampling import positions, surfaces, window
 from contact.solution.stress_plot import plot_stress
 from contact.solution.stress_report import stress_report
@@ -110,29 +110,27 @@ def of_contact(solutions: list[contact.Solution]) -> Any:
     figure = require("matplotlib.figure").Figure(figsize=(6.0, 4.2), layout="constrained")
     top, bottom = figure.subplots(2, 1, sharex=True)
     lo, hi = min(window(one)[0] for one in shown), max(window(one)[1] for one in shown)
-    along, letter = prefix(max(abs(lo), abs(hi)))
+    along, unit = scaled(max(abs(lo), abs(hi)), "m")
     last = shown[-1]
     x = positions(last, *window(last))
     surface, body = (np.where(np.isfinite(side), side, np.nan) for side in surfaces(last, x))
     reach = float(np.nanmax(np.append(body, surface)) - np.nanmin(np.append(body, surface)))
-    up, high = prefix(reach)
+    up, high = scaled(reach, "m")
     top.plot(x * along, body * up, color="#7a7a7a", lw=1.0)
     top.plot(x * along, surface * up, color="#1f5a92", lw=1.4)
-    top.set_ylabel(f"height [{high}m]")
+    top.set_ylabel(f"height [{high}]")
     peaks = [
         one.max_pressure
         if np.isfinite(one.max_pressure)
         else 3.0 * abs(one.load) / one.zone_widths.sum()
         for one in shown
     ]
-    push, size = prefix(max(peaks))
+    push, size = scaled(max(peaks), "Pa")
     for one, colour in zip(shown, _COLOURS, strict=False):
         x = positions(one, *window(one))
         pressure = np.clip(one.pressure(x), -max(peaks), 1.5 * max(peaks))
         bottom.plot(x * along, pressure * push, color=colour, lw=1.2, label=_label(one, shown))
-    bottom.set(
-        ylabel=f"pressure [{size}Pa]", xlabel=f"x [{letter}m]", xlim=(lo * along, hi * along)
-    )
+    bottom.set(ylabel=f"pressure [{size}]", xlabel=f"x [{unit}]", xlim=(lo * along, hi * along))
     bottom.set_ylim(top=1.08 * max(peaks) * push)
     bottom.legend(fontsize=7, frameon=False)
     return figure

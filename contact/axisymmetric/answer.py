@@ -27,6 +27,7 @@ from contact.axisymmetric.system import Surface
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite_array
 from contact.model.profiles.noise import EPS, ROUND_OFF
+from contact.model.units import quantity, text_table, with_error
 from contact.reference.exact.numerics import least_value
 from sie import Array, Mask
 
@@ -124,6 +125,29 @@ class Spot(sie.Kept):
     surface: Surface = field(repr=False)
     reach: float
     error: float = 0.0
+
+    def __str__(self) -> str:
+        """The numbers with units and bounds of their errors, as a table."""
+        mean = self.mean_pressure
+        numbers = [
+            ("load", self.load, "N", self.error * self.load),
+            ("radius of the spot", self.radius, "m", self.error * self.radius),
+            ("mean pressure", mean, "Pa", 3 * self.error * mean),
+            ("largest pressure", self.max_pressure, "Pa", self.error * mean),
+            ("nominal pressure", self.nominal_pressure, "Pa", None),
+            ("contact fraction", self.contact_fraction, "", None),
+            ("approach", self.approach, "m", None),
+            ("depth of its tip", self.depth, "m", None),
+        ]
+        rows = [
+            (name, *with_error(value, error, unit))
+            for name, value, unit, error in numbers
+            if value is not None
+        ]
+        rows += [("rings of neighbours", f"{self.rings:g}", "")] * (self.density > 0)
+        columns = zip(("quantity", "value", "error at most"), zip(*rows, strict=True), strict=True)
+        kind = type(self.profile).__name__.lower()
+        return f"{kind}, E* = {quantity(self.E_star, 'Pa', 6)}\n\n{text_table(columns)}"
 
     @property
     def nominal_pressure(self) -> float | None:

@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import click
-import numpy as np
 
 from contact.commands.options import (
     AS_JSON,
@@ -42,8 +41,8 @@ from contact.errors import ContactError, ModelWarning, NotConverged
 from contact.extras import other_package, owners, require, version
 from contact.interrupts import ExitStatus
 from contact.model.registry import controls, interactions, laws, profiles, substrates
-from contact.model.units import headed, quantity
-from contact.solution import export
+from contact.model.units import quantity
+from contact.solution import export, report
 from contact.solution.plan import Part, Plan, plan
 from contact.solution.plotting import plot
 from contact.solution.solution import Solution
@@ -51,7 +50,6 @@ from contact.solution.terminal import Progress, show_columns, show_table
 from contact.solver import solve
 from contact.sweeps.compare import compare, refusals, tables
 from contact.sweeps.compare_plot import plot_comparison
-from contact.sweeps.points import total_width
 
 
 @click.command("explore")
@@ -377,81 +375,15 @@ _listed("controls", controls, "controls, with their units,", "unit")
 
 
 def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) -> None:
-    """Print a solution as tables; of its zones, only the first `zones_shown` are listed."""
-    scene = solution.scene
-    show_profile(scene.profile)
-    turning = (
-        [("tilt", f"{solution.tilt:.10g}"), ("moment", quantity(solution.moment, "N", 10))]
-        if scene.turning
-        else []
-    )
-    sliding = (
-        [("tangential load", quantity(solution.tangential_load, "N/m", 10))]
-        if scene.law.shear_ratio
-        else []
-    )
-    yielding = (
-        [("plateaus", f"{len(table)}, {quantity(float(np.diff(table).sum()), 'm', 10)} in total")]
-        if len(table := solution.plateaus)
-        else []
-    )
-    others = [
-        what
-        for what, part in (("substrate", scene.substrate), ("law", scene.law))
-        if part != type(scene).__dict__[what]
-    ]
-    fraction = solution.contact_fraction
-    show_table(
-        ", ".join(
-            (f"{scene.profile.title} profile", f"{scene.interaction.name} interaction", *others)
-        ),
-        ("quantity", "value"),
-        [
-            ("load", quantity(solution.load, "N/m", 10)),
-            *sliding,
-            ("mean pressure", quantity(solution.mean_pressure, "Pa", 10)),
-            ("max pressure", quantity(solution.max_pressure, "Pa", 10)),
-            ("approach", quantity(solution.approach, "m", 10)),
-            ("contact fraction", "not defined" if fraction is None else f"{fraction:.10g}"),
-            *turning,
-            ("zones", str(len(solution.zones)) if len(solution.zones) else "full contact"),
-            ("total width", quantity(total_width(solution), "m", 10)),
-            *yielding,
-            ("error, at most", f"{solution.error:.2g}"),
-            ("time", quantity(seconds, "s", 3)),
-        ],
-    )
-    checks = solution.certificate.to_dict().items()
-    show_table(
-        "checked",
-        ("what", "value"),
-        [(k.replace("_", " "), _entry(v)) for k, v in checks if v != ""],
-    )
-    rows = export.zone_table(solution)
-    if not rows:
-        return
-    shown = rows[:zones_shown]
-    columns = [("zone", [str(place) for place in range(1, len(shown) + 1)])]
-    for name, unit, values in zip(
-        export.ZONE_COLUMNS, export.ZONE_UNITS, zip(*shown, strict=True), strict=True
-    ):
-        columns.append(
-            headed(name.replace("_", "\n"), values, unit, 9 if name in ("left", "right") else 7)
-        )
-    show_columns("zones", columns)
-    if len(rows) > zones_shown:
-        click.echo(f"{len(rows) - zones_shown} more zones: --csv writes them all")
-
-
-def _entry(value: Any) -> str:
-    """The value of one entry of a certificate as text."""
-    if isinstance(value, Mapping):
-        return ", ".join(f"{name} {_entry(item)}" for name, item in value.items())
-    if isinstance(value, (bool, np.bool_)):
-        return "yes" if value else "no"
-    if isinstance(value, float):
-        return f"{value:.4g}"
-    return "not defined" if value is None else str(value)
+    """Print a solution as tables; of its zones, only the `zones_shown` widest are listed."""
+    show_profile(solution.scene.profile)
+    rows = [*report.numbers(solution), ("time", quantity(seconds, "s", 3), "")]
+    show_table(report.title(solution.scene), report.HEADS, rows, numeric=(1, 2))
+    show_table("checked", ("what", "value"), report.checks(solution))
+    if columns := report.zone_columns(solution, zones_shown, first=("zone", 1)):
+        show_columns("zones", columns)
+    if (more := len(solution.zones) - zones_shown) > 0:
+        click.echo(f"the {zones_shown} widest zones; --csv writes {more} more")
 
 
 def _parameters(cls: Any) -> str:

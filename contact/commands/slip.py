@@ -21,7 +21,7 @@ from contact.commands.options import (
 from contact.commands.trace import show_profile
 from contact.extras import require
 from contact.model.tangential import Tangential
-from contact.model.units import headed, quantity
+from contact.model.units import quantity
 from contact.solution.solution import Solution
 from contact.solution.terminal import Progress, show_columns, show_table
 from contact.solver import solve
@@ -30,6 +30,7 @@ from contact.solver import solve
 _EXPORT = "contact.slip.export"
 _PLOT = "contact.slip.plotting"
 _PARTIAL = "contact.slip.partial_slip"
+_REPORT = "contact.slip.report"
 _ROLLING = "contact.slip.rolling"
 
 
@@ -82,36 +83,12 @@ def _slip(solution: Solution, given: Tangential, tol: float) -> Any:
 
 
 def _show(slip: Any, seconds: float, rows_shown: int = 20) -> None:
-    """Print a slip as tables; of its intervals, only the first `rows_shown` are listed."""
-    solution = slip.solution
-    show_profile(solution.scene.profile)
-    rolled = [("creepage", "not defined" if slip.creepage is None else f"{slip.creepage:.10g}")]
-    slid = [
-        ("shift", quantity(slip.shift, "m", 10)),
-        ("lost energy", quantity(slip.dissipated, "J/m", 6)),
-    ]
-    show_table(
-        f"{slip.model}, {solution.scene.profile.title} profile, "
-        f"{solution.scene.interaction.name} interaction",
-        ("quantity", "value"),
-        [
-            ("load", quantity(solution.load, "N/m", 10)),
-            ("tangential load", quantity(slip.tangential_load, "N/m", 10)),
-            ("friction", f"{slip.friction:.10g}"),
-            *(rolled if slip.model == "rolling" else slid),
-            ("zones", str(len(solution.zones)) if len(solution.zones) else "full contact"),
-            ("zones that stick", str(len(slip.stick_zones))),
-            ("intervals that slip", str(len(slip.slip_zones))),
-            ("error, at most", f"{slip.error:.2g}"),
-            ("time", quantity(seconds, "s", 3)),
-        ],
-    )
-    export = require(_EXPORT)
-    rows = export.interval_table(slip)
-    shown = rows[:rows_shown]
-    columns = [("state", [row[3] for row in shown])]
-    for place, name in enumerate(export.INTERVAL_COLUMNS[:3]):
-        columns.append(headed(name, [float(row[place]) for row in shown], "m", 9))
-    show_columns("intervals", columns, words=(0,))
-    if len(rows) > rows_shown:
-        click.echo(f"{len(rows) - rows_shown} more intervals: --csv writes them all")
+    """Print a slip as tables; of what sticks and slips, only the `rows_shown` widest are listed."""
+    show_profile(slip.solution.scene.profile)
+    report = require(_REPORT)
+    rows = [*report.numbers(slip), ("time", quantity(seconds, "s", 3), "")]
+    show_table(report.heading(slip), report.HEADS, rows, numeric=(1, 2))
+    if columns := report.zone_columns(slip, rows_shown):
+        show_columns("zones that stick and slip", columns, words=(0,))
+    if (more := len(slip.stick_zones) + len(slip.slip_zones) - rows_shown) > 0:
+        click.echo(f"the {rows_shown} widest zones; --csv writes {more} more")

@@ -21,7 +21,7 @@ from contact.model.profiles.sampled import Sampled
 from contact.model.scene_file import load_scene, toml
 from contact.model.traces.prepare import Trace, load_trace
 from contact.model.traces.roughness import Roughness, height_distribution, power_spectrum, roughness
-from contact.model.units import prefix, quantity
+from contact.model.units import quantity, scaled
 from contact.solution.plotting import new_figure
 from contact.solution.terminal import show_table
 from sie import Array
@@ -279,10 +279,10 @@ def plot_trace(
     figure = new_figure(9.0, 1.7 * len(stages) + 3.0)
     grid = figure.add_gridspec(len(stages) + 1, 2, height_ratios=[1.0] * len(stages) + [1.7])
     longest = max(float(np.nanmax(x) - np.nanmin(x)) for _, x, _ in stages)
-    along, along_unit = prefix(longest)
+    along, along_unit = scaled(longest, "m")
     for row, (name, x, height) in enumerate(stages):
         axes = figure.add_subplot(grid[row, :])
-        up, up_unit = prefix(float(np.nanmax(height) - np.nanmin(height)))
+        up, up_unit = scaled(float(np.nanmax(height) - np.nanmin(height)), "m")
         axes.plot(
             along * x, up * height, color=_AFTER if row == len(stages) - 1 else _BEFORE, lw=0.7
         )
@@ -291,17 +291,17 @@ def plot_trace(
         if len(name) > title_length:
             name = name[: title_length - 3] + "..."
         axes.set_title(name, fontsize=8, loc="left")
-        axes.set_ylabel(f"height [{up_unit}m]", fontsize=8)
+        axes.set_ylabel(f"height [{up_unit}]", fontsize=8)
         axes.tick_params(labelsize=8)
         axes.margins(x=0.0)
-    axes.set_xlabel(f"x [{along_unit}m]", fontsize=8)
+    axes.set_xlabel(f"x [{along_unit}]", fontsize=8)
     _distribution(figure.add_subplot(grid[-1, 0]), measured, *heights)
     _spectrum(figure.add_subplot(grid[-1, 1]), measured, *spectrum)
     return figure
 
 
 def _distribution(axes: Any, measured: Roughness, edges: Array, density: Array) -> None:
-    up, unit = prefix(measured.Rq)
+    up, unit = scaled(measured.Rq, "m")
     axes.stairs(density / up, up * edges, fill=True, color=_BEFORE, alpha=0.5)
     z = np.linspace(edges[0], edges[-1], 200)
     gauss = np.exp(-0.5 * (z / measured.Rq) ** 2) / (measured.Rq * np.sqrt(2 * np.pi))
@@ -312,8 +312,8 @@ def _distribution(axes: Any, measured: Roughness, edges: Array, density: Array) 
         lw=1.0,
         label=f"Gauss, Rq = {quantity(measured.Rq, 'm', 3)}",
     )
-    axes.set_xlabel(f"height above the mean [{unit}m]", fontsize=8)
-    axes.set_ylabel(f"density [1/{unit}m]", fontsize=8)
+    axes.set_xlabel(f"height above the mean [{unit}]", fontsize=8)
+    axes.set_ylabel(f"density [1/{unit}]", fontsize=8)
     axes.tick_params(labelsize=8)
     axes.legend(fontsize=8, frameon=False)
 

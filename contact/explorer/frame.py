@@ -10,7 +10,7 @@ from contact.errors import ContactError, NotConverged, unwarned
 from contact.explorer.handles import Handle
 from contact.extras import require
 from contact.model.scene import Scene
-from contact.model.units import prefix, quantity
+from contact.model.units import quantity, scaled
 from contact.search.topology.loop import Progress
 from contact.solution.sampling import (
     POINTS,
@@ -90,14 +90,11 @@ def drawn(
     # of all other heights.
     span = high - low
     body, surface = np.where(seen, body, high + span), np.where(below, surface, low - span)
-    along, up = (
-        prefix(max(abs(lo), abs(hi))),
-        prefix(max(high - low, 1e-3 * max(abs(low), abs(high)))),
-    )
+    along = scaled(max(abs(lo), abs(hi)), "m")
+    up = scaled(max(high - low, 1e-3 * max(abs(low), abs(high))), "m")
     top = top_pressure(solution)
-    push = prefix(
-        float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0)) if top <= 0 else top
-    )
+    size = float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0))
+    push = scaled(size if top <= 0 else top, "Pa")
     rising, falling = _infinite(solution, x, pressure, zones)
     # The pressure is infinite at corners and at adhesive ends: the curve of the pressure is cut off
     # there. Infinite tension is drawn as far below zero as the peak is above zero.
@@ -107,7 +104,7 @@ def drawn(
     fields = np.array(
         [x * along[0], body * up[0], surface * up[0], touching * up[0], shown * push[0]]
     )
-    names = f"x [{along[1]}m]", f"height [{up[1]}m]", f"pressure [{push[1]}Pa]"
+    names = f"x [{along[1]}]", f"height [{up[1]}]", f"pressure [{push[1]}]"
     details = {
         "along": along[0],
         "range": [push[0] * lowest, push[0] * abs(top)],
@@ -209,7 +206,7 @@ def below(
         name = "mises" if kind == "mises" else "shear"
         found = largest.largest(solution, largest.Criterion(name, nu, "as loaded"))
         peak, top = found, found.stress
-    along = prefix(max(abs(end) for end in window(solution)))
+    along = scaled(max(abs(end) for end in window(solution)), "m")
     details: dict[str, Any] = {
         "kind": kind,
         "low": lo * along[0],

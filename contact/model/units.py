@@ -1,51 +1,124 @@
-"""Numbers for reading, with SI prefixes that bring values between 1 and 1000."""
+"""Numbers for reading: units that people use, with values between 1 and 1000, and text tables."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+# For each unit of the package, its multiples in use, by their power of ten.
+_MULTIPLES = {
+    "Pa": {0: "Pa", 3: "kPa", 6: "MPa", 9: "GPa"},
+    "N/m": {-6: "µN/m", -3: "mN/m", 0: "N/m", 3: "N/mm", 6: "kN/mm"},
+    "N/m^2": {0: "N/m²", 3: "kN/m²", 6: "N/mm²", 9: "kN/mm²"},
+    "J/m^2": {-6: "µJ/m²", -3: "mJ/m²", 0: "J/m²", 3: "kJ/m²"},
+    "rad": {-6: "µrad", -3: "mrad", 0: "rad"},
+    "s": {-9: "ns", -6: "µs", -3: "ms", 0: "s"},
+}
+_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M"}
 
 _INFINITE = {True: "infinite", False: "-infinite"}
 
 
-def prefix(magnitude: float) -> tuple[float, str]:
-    """Factor and SI prefix that bring a magnitude to between 1 and 1000.
+def scaled(magnitude: float, unit: str) -> tuple[float, str]:
+    """Factor and multiple of a unit that bring a magnitude to between 1 and 1000.
 
-    They are 1 and none for zero and for numbers that are not finite.
+    They are 1 and the unit itself for zero, for numbers that are not finite, and for numbers
+    smaller than any multiple. Only multiples that people use are chosen, so that the largest of
+    them may leave values above 1000.
+
+    Examples
+    --------
+    >>> scaled(2.1e11, "Pa"), scaled(4.0e5, "N/m"), scaled(3e-7, "m")
+    ((1e-09, 'GPa'), (0.001, 'N/mm'), (1000000000.0, 'nm'))
     """
-    if not (math.isfinite(magnitude) and magnitude > 0.0):
-        return 1.0, ""
+    known = _MULTIPLES.get(unit) or {power: letter + unit for power, letter in _PREFIXES.items()}
+    if not (unit and math.isfinite(magnitude) and magnitude > 0.0):
+        return 1.0, unit and known[0]
     # log10(1e-6) may be rounded to slightly below or above -6. The small shift avoids this error.
     power = 3 * math.floor(math.log10(magnitude) / 3.0 + 1e-12)
-    power = min(max(power, min(_PREFIXES)), max(_PREFIXES))
-    return 10.0**-power, _PREFIXES[power]
+    power = min(power, max(known)) if power >= min(known) else 0
+    return 10.0**-power, known[power]
 
 
 def quantity(value: float | None, unit: str, digits: int = 4, none: str = "not defined") -> str:
-    """A value with its prefixed unit, as text; the text `none` if the value is None."""
+    """A value with its unit, as text; the text `none` if the value is None."""
     if value is None:
         return none
     if not math.isfinite(value):
         return "infinite" if value > 0 else str(value)
-    factor, letter = prefix(abs(value))
-    return f"{value * factor:.{digits}g} {letter}{unit}"
+    factor, name = scaled(abs(value), unit)
+    return f"{value * factor:.{digits}g} {name}"
 
 
 def headed(
-    name: str, values: Sequence[float | None], unit: str, digits: int = 6
+    name: str,
+    values: Sequence[float | None],
+    unit: str,
+    digits: int = 6,
+    alike: Sequence[float | None] = (),
 ) -> tuple[str, list[str]]:
-    """Header and cells of a table column; the header has the prefixed unit below the name."""
+    """Header and cells of a table column; the header has the unit below the name.
+
+    alike: values of other columns that have the same unit.
+    """
     if unit in ("", "1"):
         return name, ["-" if value is None else f"{value:.{digits}g}" for value in values]
-    prefixed, cells = column(values, unit, digits)
-    return f"{name}\n[{prefixed}]", cells
+    found, cells = column(values, unit, digits, alike)
+    return f"{name}\n[{found}]", cells
 
 
-def column(values: Sequence[float | None], unit: str, digits: int = 6) -> tuple[str, list[str]]:
-    """The prefixed unit of a table column, and its values as numbers without unit; '-' for None."""
-    finite = [abs(value) for value in values if value is not None and math.isfinite(value)]
-    factor, letter = prefix(max(finite, default=0.0))
-    return f"{letter}{unit}", [
+def column(
+    values: Sequence[float | None], unit: str, digits: int = 6, alike: Sequence[float | None] = ()
+) -> tuple[str, list[str]]:
+    """The unit of a table column, and its values as numbers without unit; '-' for None.
+
+    alike: values of other columns that have the same unit.
+    """
+    sizes = [abs(v) for v in (*values, *alike) if v is not None and math.isfinite(v)]
+    factor, name = scaled(max(sizes, default=0.0), unit)
+    return name, [
         "-" if v is None else f"{v * factor:.{digits}g}" if math.isfinite(v) else _INFINITE[v > 0]
         for v in values
     ]
+
+
+def with_error(value: float, error: float | None, unit: str, most: int = 10) -> tuple[str, str]:
+    """A value and the bound of its error as text, both in the unit that suits the value.
+
+    The value has the digits that its error allows, up to `most`. An error of None is unknown.
+    Without an error, a value is exact.
+
+    Examples
+    --------
+    >>> with_error(123456789.123, 2e-1, "Pa"), with_error(0.25, 0.0, "")
+    (('123.4567891 MPa', '2e-07 MPa'), ('0.25', 'exact'))
+    """
+    factor, name = scaled(abs(value), unit)
+    if not math.isfinite(value):
+        return _INFINITE[value > 0], "-"
+    digits = most
+    if error and value:
+        digits = min(max(math.ceil(math.log10(abs(value) / error)) + 1, 2), most)
+    bound = "-" if error is None else f"{error * factor:.2g} {name}".strip() if error else "exact"
+    return f"{value * factor:.{digits}g} {name}".strip(), bound
+
+
+def text_table(columns: Iterable[tuple[str, Sequence[str]]], words: Iterable[int] = (0,)) -> str:
+    """A table as text, from columns (header, cells).
+
+    Headers may have several lines. The columns `words` are aligned to the left, all others to the
+    right.
+
+    Examples
+    --------
+    >>> print(text_table([("quantity", ["load", "approach"]), ("value", ["2 N/m", "13.5 µm"])]))
+    quantity    value
+    load        2 N/m
+    approach  13.5 µm
+    """
+    columns, left = list(columns), set(words)
+    rows = max(name.count("\n") for name, _ in columns) + 1
+    filled = []
+    for place, (name, cells) in enumerate(columns):
+        lines = [*name.split("\n"), *[""] * (rows - 1 - name.count("\n")), *cells]
+        width = max(map(len, lines))
+        filled.append([s.ljust(width) if place in left else s.rjust(width) for s in lines])
+    return "\n".join("  ".join(line).rstrip() for line in zip(*filled, strict=True))

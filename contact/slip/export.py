@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from contact.errors import MissingExtra
 from contact.extras import require, version
 from contact.slip.result import Slip
 from contact.solution import export
@@ -54,15 +53,12 @@ def interval_table(slip: Slip) -> list[tuple[float, float, float, str]]:
 
 
 def zone_frame(slip: Slip) -> Any:
-    """The table of intervals as a pandas.DataFrame, or as a dictionary of arrays."""
+    """The table of intervals as a pandas.DataFrame with `attrs["units"]`."""
     rows = interval_table(slip)
     columns: dict[str, Any] = {
         name: np.array([row[k] for row in rows]) for k, name in enumerate(INTERVAL_COLUMNS)
     }
-    try:
-        frame = require("pandas").DataFrame(columns)
-    except MissingExtra:
-        return columns
+    frame = require("pandas").DataFrame(columns)
     frame.attrs["units"] = dict.fromkeys(INTERVAL_COLUMNS[:3], "m")
     return frame
 

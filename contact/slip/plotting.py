@@ -1,13 +1,14 @@
 """Figure of a slip: shear between plus and minus friction times pressure; what sticks is shaded."""
 
-from html import escape
 from typing import Any
 
 import numpy as np
 
-from contact.model.units import prefix, quantity
+from contact.model.units import scaled
+from contact.slip.report import numbers
 from contact.slip.result import Slip
-from contact.solution.plotting import FIGURE, finish, new_figure, picture
+from contact.solution.plotting import FIGURE, finish, html_table, new_figure, picture
+from contact.solution.report import HEADS
 from contact.solution.sampling import POINTS, positions, top_pressure, window
 from sie import Array
 
@@ -23,9 +24,9 @@ def plot(slip: Slip) -> Any:
     x = positions(solution, lo, hi, POINTS.screen_points)
     ends = np.concatenate((slip.stick_zones.ravel(), slip.slip_zones.ravel()))
     x = np.unique(np.concatenate((x, ends[(ends > lo) & (ends < hi)])))
-    along, letter = prefix(max(abs(lo), abs(hi)))
+    along, unit = scaled(max(abs(lo), abs(hi)), "m")
     top = slip.friction * top_pressure(solution)
-    up, letter_up = prefix(top)
+    up, unit_up = scaled(top, "Pa")
     figure = new_figure(7.2, 3.9)
     axes = figure.subplots()
     limit = np.clip(slip.friction * solution.pressure(x), 0.0, 2.0 * top) * up
@@ -44,7 +45,7 @@ def plot(slip: Slip) -> Any:
         at[:, 2] = np.nan
         line = {"color": _STICK, "linewidth": 3.0, "label": "sticks"}
         axes.plot(at.ravel(), np.zeros(at.size), **line)
-    finish(axes, f"$x$ [{letter}m]", f"traction [{letter_up}Pa]")
+    finish(axes, f"$x$ [{unit}]", f"traction [{unit_up}]")
     axes.set_xlim(lo * along, hi * along)
     figure.supxlabel(slip.summary, fontsize=8)
     return figure
@@ -60,20 +61,5 @@ def _within(slip: Slip, lo: float, hi: float) -> Array:
 
 
 def to_html(slip: Slip) -> str:
-    """HTML table of numbers with units and error, and the figure as an image."""
-    solution = slip.solution
-    rows = [
-        ("load", quantity(solution.load, "N/m")),
-        ("tangential load", quantity(slip.tangential_load, "N/m")),
-        ("friction", f"{slip.friction:g}"),
-        ("zones that stick", str(len(slip.stick_zones))),
-        ("intervals that slip", str(len(slip.slip_zones))),
-        ("shift", quantity(slip.shift, "m", none="")),
-        ("creepage", "" if slip.creepage is None else f"{slip.creepage:.6g}"),
-        ("lost energy", quantity(slip.dissipated, "J/m", none="")),
-        ("stated error", f"{slip.error:.1e}"),
-    ]
-    lines = "".join(
-        f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows if value
-    )
-    return f"<table>{lines}</table>{picture(slip, plot, 'shear and what sticks')}"
+    """HTML table of numbers with units and errors, and the figure as an image."""
+    return html_table(HEADS, numbers(slip)) + picture(slip, plot, "shear and what sticks")

@@ -25,6 +25,7 @@ from sie import Array
 
 _FIGURES = "contact.slip.plotting"
 _FILES = "contact.slip.export"
+_REPORT = "contact.slip.report"
 # Error of the stresses due to a shear, divided by the result of `error_at` for this shear. It is 2,
 # because s_xx contains 2 Re H, with H the transform of the shear.
 _ERROR_BY_SHEAR = 2.0
@@ -214,6 +215,11 @@ class Slip(sie.Kept):
         """A matplotlib figure of shear, friction times pressure, and the zones that stick."""
         return require(_FIGURES).plot(self)
 
+    def __str__(self) -> str:
+        """The numbers with units and stated errors, and what sticks and slips, as a table."""
+        text: str = require(_REPORT).report(self)
+        return text
+
     def _repr_html_(self) -> str:
         return str(require(_FIGURES).to_html(self))
 
@@ -221,7 +227,15 @@ class Slip(sie.Kept):
         """One row for each interval that sticks or slips: ends and width [m], and "stick" or
         "slip".
 
-        A pandas.DataFrame if pandas is installed, else a dictionary of arrays.
+        Returns
+        -------
+        pandas.DataFrame
+            With the units of the columns in `attrs["units"]`.
+
+        Raises
+        ------
+        MissingExtra
+            Without pandas, which the extra `io` installs.
         """
         return require(_FILES).zone_frame(self)
 

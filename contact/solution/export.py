@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.errors import MissingExtra, SceneError
+from contact.errors import SceneError
 from contact.extras import require, version
 from contact.model.scene import Scene
 from contact.model.scene_file import tables
@@ -115,13 +115,9 @@ def zone_table(solution: Solution) -> list[tuple[float, ...]]:
 
 
 def zone_frame(solution: Solution) -> Any:
-    """The zone table as a pandas.DataFrame, or without pandas as a dictionary of arrays."""
+    """The zone table as a pandas.DataFrame with `attrs["units"]`."""
     table = np.reshape(zone_table(solution), (-1, len(ZONE_COLUMNS)))
-    columns = dict(zip(ZONE_COLUMNS, table.T, strict=True))
-    try:
-        frame = require("pandas").DataFrame(columns)
-    except MissingExtra:
-        return columns
+    frame = require("pandas").DataFrame(table, columns=list(ZONE_COLUMNS))
     frame.attrs["units"] = dict(zip(ZONE_COLUMNS, ZONE_UNITS, strict=True))
     return frame
 

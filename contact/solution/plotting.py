@@ -14,7 +14,7 @@ installed.
 import base64
 import io
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from typing import Any
@@ -23,7 +23,8 @@ import numpy as np
 
 from contact.errors import MissingExtra, SceneError
 from contact.extras import require
-from contact.model.units import prefix, quantity
+from contact.model.units import quantity, scaled
+from contact.solution.report import HEADS, numbers
 from contact.solution.sampling import (
     POINTS,
     on_zones,
@@ -109,8 +110,8 @@ def _draw(top: Any, bottom: Any, solution: Solution, lo: float, hi: float) -> No
     """Draw the panel of the surfaces and the panel of the pressure from lo to hi."""
     x = positions(solution, lo, hi, POINTS.screen_points)
     zones = zones_within(solution, lo, hi)
-    along, letter = prefix(max(abs(lo), abs(hi)))
-    bottom.set(xlabel=f"$x$ [{letter}m]", xlim=(lo * along, hi * along))
+    along, unit = scaled(max(abs(lo), abs(hi)), "m")
+    bottom.set(xlabel=f"$x$ [{unit}]", xlim=(lo * along, hi * along))
     bottom.locator_params(axis="x", nbins=6)
     _draw_surfaces(top, solution, x, zones, along)
     _draw_pressure(bottom, solution, x, zones, along)
@@ -126,7 +127,8 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     heights = np.concatenate((surface[below], body[seen]))
     low, high = float(heights.min()), float(heights.max())
     reach = high - low or max(abs(high), 1e-12)
-    up, letter = prefix(max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach)
+    size = max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach
+    up, unit = scaled(size, "m")
     # A body's height is infinite outside the body's sharp corners. There the outline is drawn
     # outside the panel.
     outline, surface = np.where(seen, body, high + reach), np.where(below, surface, low - reach)
@@ -140,7 +142,7 @@ def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along:
     touching = np.where(on_zones(x, zones), surface, np.nan)
     weight = 2.6 if len(zones) <= FIGURE.max_zones else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
-    axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{letter}m]")
+    axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{unit}]")
     # The label "body" is placed above a point in contact, since the body is always drawn there.
     middle = float(zones[len(zones) // 2].mean()) if len(zones) else float(0.5 * (x[0] + x[-1]))
     where = float(np.clip((middle - x[0]) / (x[-1] - x[0]), 0.06, 0.94))
@@ -158,7 +160,7 @@ def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along:
     top = top_pressure(solution)
     if np.isfinite(solution.max_pressure):
         top = float(max(pressure.max(), 1e-3 * top)) or 1.0
-    scale, letter = prefix(top)
+    scale, unit = scaled(top, "Pa")
     shown = np.clip(pressure, -2.0 * top, 2.0 * top) * scale
     axes.fill_between(
         x * along, 0.0, shown, where=on_zones(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0
@@ -189,7 +191,7 @@ def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along:
     # The tension at the ends of adhesive zones is unbounded. It is drawn at most as far below zero
     # as the peak is above zero.
     lowest = max(float(np.min(pressure, initial=0.0)), -top)
-    axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{letter}Pa]")
+    axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{unit}]")
 
 
 def close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | None:
@@ -217,7 +219,7 @@ def _mark_close_up(axes: Any, solution: Solution, lo: float, hi: float) -> None:
 
     The pointer shows the interval even if it is no wider than the line of the peak in it.
     """
-    along, _ = prefix(max(abs(end) for end in window(solution)))
+    along, _ = scaled(max(abs(end) for end in window(solution)), "m")
     for whole in axes[:, 0]:
         whole.axvspan(
             lo * along, hi * along, facecolor=_CLOSE, alpha=0.22, edgecolor="none", zorder=0
@@ -284,25 +286,17 @@ def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
 
 
 def to_html(solution: Solution) -> str:
-    """HTML table of numbers with units, error and certificate, and the figure as an image."""
-    checked = solution.certificate.to_dict()
-    rows = [
-        ("zones", str(len(solution.zones))),
-        ("load", quantity(solution.load, "N/m")),
-        ("largest pressure", quantity(solution.max_pressure, "Pa")),
-        ("mean pressure", quantity(solution.mean_pressure, "Pa", none="")),
-        ("approach", quantity(solution.approach, "m", none="")),
-        (
-            "contact fraction",
-            "" if solution.contact_fraction is None else f"{solution.contact_fraction:.6g}",
-        ),
-        ("stated error", f"{solution.error:.1e}"),
-        ("certificate", "holds" if checked["holds"] else f"does not hold: {checked['note']}"),
-    ]
-    lines = "".join(
-        f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows if value
-    )
-    return f"<table>{lines}</table>{picture(solution, plot, 'surfaces and pressure')}"
+    """HTML table of numbers with units and errors, and the figure as an image."""
+    return html_table(HEADS, numbers(solution)) + picture(solution, plot, "surfaces and pressure")
+
+
+def html_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table as HTML; the first cell of each row is its name."""
+    lines = ["".join(f"<th>{escape(head)}</th>" for head in heads)]
+    for name, *cells in rows:
+        values = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
+        lines.append(f"<th>{escape(name)}</th>{values}")
+    return f"<table>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
 
 
 def picture(drawn: Any, draw: Callable[[Any], Any], what: str) -> str:

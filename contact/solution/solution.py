@@ -36,6 +36,7 @@ _YIELDING = "contact.inside.yielding"
 _FIGURES = "contact.solution.plotting"
 _WORN = "contact.plastic.worn"
 _FILES = "contact.solution.export"
+_REPORT = "contact.solution.report"
 _WARNINGS = "contact.solution.model_warnings"
 
 
@@ -507,13 +508,26 @@ class Solution(sie.Kept):
         """An xarray.Dataset of zones, fields and numbers; raises MissingExtra without xarray."""
         return require(_FILES).to_xarray(self)
 
+    def __str__(self) -> str:
+        """The numbers with units and stated errors, and the zones, as a table."""
+        text: str = require(_REPORT).report(self)
+        return text
+
     def _repr_html_(self) -> str:
         return require(_FIGURES).to_html(self)
 
     def zone_table(self) -> Any:
-        """One row for each zone: ends and width [m], load [N/m], mean and highest pressure [Pa].
+        """One row for each zone: ends and width [m], load [N/m], mean and largest pressure [Pa].
 
-        A pandas.DataFrame if pandas is installed, else a dictionary of arrays.
+        Returns
+        -------
+        pandas.DataFrame
+            With the units of the columns in `attrs["units"]`.
+
+        Raises
+        ------
+        MissingExtra
+            Without pandas, which the extra `io` installs.
         """
         return require(_FILES).zone_frame(self)
 

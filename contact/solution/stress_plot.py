@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.model.units import prefix, quantity
+from contact.model.units import quantity, scaled
 from contact.solution.plotting import new_figure, summary
 from contact.solution.sampling import (
     POINTS,
@@ -61,12 +61,12 @@ class _Column:
 
     @property
     def unit(self) -> tuple[float, str]:
-        """Factor and SI prefix for the positions x in the plot."""
-        return prefix(max(abs(self.lo - self.origin), abs(self.hi - self.origin)))
+        """Factor and unit of the positions x in the plot."""
+        return scaled(max(abs(self.lo - self.origin), abs(self.hi - self.origin)), "m")
 
     @property
     def depth_unit(self) -> tuple[float, str]:
-        return prefix(np.sqrt(self.above * self.below)) if self.above else self.unit
+        return scaled(np.sqrt(self.above * self.below), "m") if self.above else self.unit
 
     def field(self, report: StressReport) -> tuple[Array, Array, Any]:
         """Places x (n,) [m], depths y (m,) [m] and the stresses (m, n) at these points."""
@@ -102,7 +102,7 @@ def plot_stress(report: StressReport, show: str = "shear") -> Any:
         shading = _draw_stress(pair[1], report, show, (x, y, value), (column, top))
     if shading is not None:
         bar = figure.colorbar(shading, ax=list(axes.ravel()), pad=0.01, aspect=30, format="%.3g")
-        bar.set_label(f"{_NAMES[show]} [{prefix(top)[1]}Pa]")
+        bar.set_label(f"{_NAMES[show]} [{scaled(top, 'Pa')[1]}]")
     if len(columns) > 1:
         axes[0, 1].set_title("around the largest stress", fontsize=9, color=_GREEN)
         factor, (close, whole) = columns[0].unit[0], (columns[1], axes[0, 0])
@@ -160,13 +160,13 @@ def _draw_pressure(axes: Any, report: StressReport, column: _Column) -> None:
     x = positions(solution, lo, hi, POINTS.screen_points)
     pressure, top = solution.pressure(x), top_pressure(solution)
     along = (x - column.origin) * column.unit[0]
-    scale, letter = prefix(top)
+    scale, unit = scaled(top, "Pa")
     shown = np.clip(pressure, -2 * top, 2 * top) * scale
     touching = on_zones(x, zones_within(solution, lo, hi))
     axes.fill_between(along, 0.0, shown, where=touching, color=_RED, alpha=0.22, lw=0)
     axes.plot(along, shown, color=_RED, linewidth=1.1)
     lowest = max(float(pressure.min(initial=0.0)), -top)
-    axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"$p$ [{letter}Pa]")
+    axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"$p$ [{unit}]")
     axes.tick_params(direction="in", top=True, right=True)
 
 
@@ -179,7 +179,7 @@ def _draw_stress(
 ) -> Any:
     """Draw the stresses; returns the filled contours, or None for fringes."""
     (x, y, value), (column, top) = field, frame
-    (along, letter), (down, deep), (scale, _) = column.unit, column.depth_unit, prefix(top)
+    (along, unit), (down, deep), scale = column.unit, column.depth_unit, scaled(top, "Pa")[0]
     places, depths, shading = (x - column.origin) * along, y * down, None
     if show == "fringes":
         fringes = np.sin(np.pi * OPTIONS.fringes * value / top) ** 2
@@ -205,8 +205,8 @@ def _draw_stress(
     axes.set(
         xlim=(places[0], places[-1]),
         ylim=(depths[-1], depths[0]),
-        xlabel=f"$x${shift} [{letter}m]",
-        ylabel=f"depth $y$ [{deep}m]",
+        xlabel=f"$x${shift} [{unit}]",
+        ylabel=f"depth $y$ [{deep}]",
     )
     axes.locator_params(axis="x", nbins=6)
     axes.tick_params(direction="in", top=True, right=True)

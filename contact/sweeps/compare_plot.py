@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.model.units import prefix
+from contact.model.units import scaled
 from contact.solution.plotting import FIGURE, new_figure
 from contact.solution.sampling import POINTS, peak_position, positions, top_pressure, window
 from contact.solution.solution import Solution
@@ -69,13 +69,13 @@ def _draw_pressures(axes: Any, solved: dict[str, Solution], colours: dict[str, s
     lo, hi = _stretch(next(reversed(solved.values())))
     along = _scale_positions(axes, lo, hi)
     highest = max(map(top_pressure, solved.values()))
-    up, unit = prefix(highest)
+    up, unit = scaled(highest, "Pa")
     for name, solution in solved.items():
         x = positions(solution, lo, hi, POINTS.screen_points)
         p = np.minimum(solution.pressure(x), 2.0 * highest)
         axes.plot(x * along, p * up, label=name, color=colours[name], linewidth=1.4)
     axes.set_ylim(0.0, 1.08 * highest * up)
-    axes.set_ylabel(f"pressure [{unit}Pa]")
+    axes.set_ylabel(f"pressure [{unit}]")
     _name_lines(axes)
 
 
@@ -120,9 +120,9 @@ def _draw_times(axes: Any, attempts: list[Attempt], colours: dict[str, str]) -> 
 
 
 def _scale_positions(axes: Any, lo: float, hi: float) -> float:
-    along, letter = prefix(max(abs(lo), abs(hi)))
+    along, unit = scaled(max(abs(lo), abs(hi)), "m")
     axes.set_xlim(lo * along, hi * along)
-    axes.set_xlabel(f"$x$ [{letter}m]")
+    axes.set_xlabel(f"$x$ [{unit}]")
     return along
 
 

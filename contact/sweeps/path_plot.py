@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.model.units import prefix
+from contact.model.units import scaled
 from contact.solution.plotting import finish, panels
 from contact.solution.sampling import on_zones
 from contact.solution.solution import Solution
@@ -55,8 +55,8 @@ def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> 
 
 
 def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, unit: str) -> None:
-    along, along_letter = prefix(float(np.abs(loads).max()))
-    up, letter = prefix(float(np.abs(values).max())) if unit else (1.0, "")
+    along, load_unit = scaled(float(np.abs(loads).max()), "N/m")
+    up, value_unit = scaled(float(np.abs(values).max()), unit) if unit else (1.0, "")
     if _is_geometric(loads):
         axes.set_xscale("log")
         if np.all(values > 0):
@@ -92,7 +92,7 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
             **style,
         )
     axes.grid(alpha=0.25)
-    finish(axes, f"load [{along_letter}N/m]", f"{label} [{letter}{unit}]" if unit else label)
+    finish(axes, f"load [{load_unit}]", f"{label} [{value_unit}]" if unit else label)
 
 
 def _is_geometric(loads: Array) -> bool:
@@ -164,12 +164,9 @@ def draw_curve(
     across [m] and load: (n,), nan at jumps; rises: whether the control rises, (n,); jumps: (kind,
     abscissa and load before, abscissa and load after); label: of the abscissa.
     """
-    x, along = prefix(
-        float(np.nanmax(np.abs([*across, *(a for _, *both in jumps for a in both[::2]), 0.0])))
-    )
-    y, letter = prefix(
-        float(np.nanmax(np.abs([*load, *(p for _, *both in jumps for p in both[1::2]), 0.0])))
-    )
+    far = np.nanmax(np.abs([*across, *(a for _, *both in jumps for a in both[::2]), 0.0]))
+    high = np.nanmax(np.abs([*load, *(p for _, *both in jumps for p in both[1::2]), 0.0]))
+    (x, along), (y, unit) = scaled(float(far), "m"), scaled(float(high), "N/m")
     for rising, colour, style, name in (
         (True, _UP, "-", "rising"),
         (False, _DOWN, (0, (5, 2)), "falling"),
@@ -203,16 +200,17 @@ def draw_curve(
             label=kind,
         )
     axes.axhline(0.0, color=_BODY, linewidth=0.6, zorder=0)
-    finish(axes, f"{label} [{along}m]", f"load [{letter}N/m]")
+    finish(axes, f"{label} [{along}]", f"load [{unit}]")
 
 
 def draw_surfaces(
     axes: Any, title: str, places: Array, surface: Array, body: Array, zones: Array
 ) -> None:
     """Draw the profile and the deformed surface [m], and mark the zones [m] on the surface."""
-    along, letter = prefix(float(np.abs(places).max()))
+    along, unit = scaled(float(np.abs(places).max()), "m")
     heights = np.concatenate((surface, body))
-    up, letter_up = prefix(float(np.abs(heights[np.isfinite(heights)]).max(initial=0.0)))
+    size = float(np.abs(heights[np.isfinite(heights)]).max(initial=0.0))
+    up, unit_up = scaled(size, "m")
     x = places * along
     axes.plot(x, body * up, color=_BODY, linewidth=1.2, label="profile")
     axes.plot(x, surface * up, color=_UP, linewidth=1.4, label="deformed surface")
@@ -229,4 +227,4 @@ def draw_surfaces(
     if span > 0.0:
         axes.set_ylim((low - span) * up, (high + span) * up)
     axes.set_title(title, fontsize=9)
-    finish(axes, f"$x$ [{letter}m]", f"height [{letter_up}m]")
+    finish(axes, f"$x$ [{unit}]", f"height [{unit_up}]")

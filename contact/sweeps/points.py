@@ -2,6 +2,7 @@
 
 from math import nan
 
+from contact.solution.report import total_width
 from contact.solution.solution import Solution
 
 # Unit and description of each number, by the name of the number.
@@ -27,10 +28,3 @@ def numbers(solution: Solution) -> dict[str, float]:
         name: nan if value is None else value if isinstance(value, int) else float(value)
         for name, value in values.items()
     }
-
-
-def total_width(solution: Solution) -> float:
-    """Total width of all zones [m]; the period in full contact, and 0 without contact."""
-    if len(solution.zones) == 0:
-        return (solution.contact_fraction or 0.0) * (solution.scene.period or 0.0)
-    return float(solution.zone_widths.sum())

@@ -11,6 +11,7 @@ import contact
 from contact.reference import exact
 from contact.reference.inverse import random_problem
 from contact.search.strategies.gaps import GapOptions
+from contact.solution.report import Errors
 from tests.contact import numbers
 
 PERIODIC = contact.Periodic()
@@ -245,6 +246,17 @@ def assert_within_what_is_stated(solution, truth):
         assert abs(1 / solution.stiffness - 1 / truth.stiffness) <= 4 * error * max(
             1.0, widths.max() / narrowest
         )
+    # The errors that print(solution) shows.
+    printed = Errors(solution)
+    for name, bound in (
+        ("load", printed.load),
+        ("approach", printed.length),
+        ("max_pressure", printed.pressure),
+        ("stiffness", printed.stiffness),
+    ):
+        if np.isfinite(getattr(truth, name, np.inf)):
+            value = getattr(truth, name)
+            assert abs(getattr(solution, name) - value) <= bound + 1e-12 * abs(value)
 
 
 def test_the_highest_of_several_peaks_of_about_one_height_is_found():

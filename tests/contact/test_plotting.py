@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import contact
-from contact.model.units import prefix, quantity
+from contact.model.units import quantity, scaled
 from tests.contact.stand_in import StandIn
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -182,13 +182,24 @@ def test_neither_pyplot_nor_a_setting_is_touched():
 
 class TestUnits:
     @pytest.mark.parametrize(
-        ("magnitude", "letter"),
-        [(1e-6, "µ"), (9.99e-7, "n"), (1e-3, "m"), (1.0, ""), (999.0, ""), (1e6, "M"), (2e13, "T")],
+        ("magnitude", "unit", "multiple"),
+        [
+            *((1e-6, "m", "µm"), (9.99e-7, "m", "nm"), (1e-3, "m", "mm"), (999.0, "m", "m")),
+            *((1e6, "Pa", "MPa"), (2.1e11, "Pa", "GPa"), (5e4, "N/m", "N/mm")),
+            *((2e6, "N/m", "kN/mm"), (1.1e11, "N/m^2", "kN/mm²"), (0.05, "J/m^2", "mJ/m²")),
+        ],
     )
-    def test_a_prefix_brings_a_magnitude_between_one_and_a_thousand(self, magnitude, letter):
-        factor, found = prefix(magnitude)
-        assert found == letter
+    def test_a_multiple_brings_a_magnitude_between_one_and_a_thousand(
+        self, magnitude, unit, multiple
+    ):
+        factor, found = scaled(magnitude, unit)
+        assert found == multiple
         assert 0.999 < factor * magnitude < 1000
+
+    def test_only_multiples_in_use_are_chosen(self):
+        assert quantity(1.2e12, "Pa") == "1200 GPa"
+        assert quantity(2e-3, "Pa") == "0.002 Pa"
+        assert quantity(3e12, "N/m^2") == "3000 kN/mm²"
 
     def test_values_are_told_with_unit_and_what_has_none_in_words(self):
         assert quantity(2e7, "Pa") == "20 MPa"

@@ -17,19 +17,30 @@ export function fitted(last, low, high, room = [0.08, 0.08]) {
   return shows ? last : wanted;
 }
 
-/** Factor and SI prefix that bring a number to between 1 and 1000. */
-export function prefix(size) {
-  if (!(Number.isFinite(size) && size > 0)) return [1, ""];
-  const power = Math.max(-12, Math.min(12, 3 * Math.floor(Math.log10(size) / 3 + 1e-12)));
-  return [10 ** -power, "pnµm kMGT"[power / 3 + 4].trim()];
+/** For each unit, its multiples that people use, by their power of ten. */
+const MULTIPLES = {
+  "Pa": { 0: "Pa", 3: "kPa", 6: "MPa", 9: "GPa" },
+  "N/m": { [-6]: "\u00b5N/m", [-3]: "mN/m", 0: "N/m", 3: "N/mm", 6: "kN/mm" },
+  "N/m^2": { 0: "N/m\u00b2", 3: "kN/m\u00b2", 6: "N/mm\u00b2", 9: "kN/mm\u00b2" },
+  "J/m^2": { [-6]: "\u00b5J/m\u00b2", [-3]: "mJ/m\u00b2", 0: "J/m\u00b2", 3: "kJ/m\u00b2" },
+};
+const PREFIXES = { [-12]: "p", [-9]: "n", [-6]: "\u00b5", [-3]: "m", 0: "", 3: "k", 6: "M" };
+
+/** Factor and multiple of a unit that bring a number to between 1 and 1000. */
+export function multiple(size, unit) {
+  const known = MULTIPLES[unit] ?? Object.fromEntries(Object.entries(PREFIXES).map(([power, letter]) => [power, letter + unit]));
+  if (!unit || !(Number.isFinite(size) && size > 0)) return [1, unit && known[0]];
+  const powers = Object.keys(known).map(Number), power = 3 * Math.floor(Math.log10(size) / 3 + 1e-12);
+  const kept = power < Math.min(...powers) ? 0 : Math.min(Math.max(...powers), power);
+  return [10 ** -kept, known[kept]];
 }
 
 /** A number with four digits and its unit. */
 export function quantity(value, unit) {
   const short = text => (text.includes("e") ? text : text.includes(".") ? text.replace(/\.?0+$/, "") : text).replace("-", "\u2212");
   if (!unit || value === 0) return `${short(value.toPrecision(4))} ${unit}`.trim();
-  const [factor, letter] = prefix(Math.abs(value));
-  return `${short((value * factor).toPrecision(4))} ${letter}${unit}`;
+  const [factor, name] = multiple(Math.abs(value), unit);
+  return `${short((value * factor).toPrecision(4))} ${name}`;
 }
 
 /** Round values in a range, no more than so many, and what to write at them. */

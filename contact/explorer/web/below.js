@@ -1,6 +1,6 @@
 /* The stress below the surface: filled contours, or fringes as photoelasticity shows them. */
 
-import { INK, prefix } from "./axes.js";
+import { INK, multiple } from "./axes.js";
 
 const BANDS = 12, FRINGES = 10;
 // Colours from no stress to the largest.
@@ -69,7 +69,7 @@ export function image(values, [rows, columns], width, height, kind, top) {
 
 /** What the colours mean, in a line above the picture. */
 export function key(pen, box, y, kind, top, infinite) {
-  const [factor, letter] = prefix(top), text = value => `${+(value * factor).toPrecision(3)} ${letter}Pa`;
+  const [factor, unit] = multiple(top, "Pa"), text = value => `${+(value * factor).toPrecision(3)} ${unit}`;
   pen.fillStyle = INK;
   pen.textBaseline = "middle";
   pen.textAlign = "right";

@@ -1,6 +1,6 @@
 /* The load curve, and the present scene on it. Its axes are those of the whole curve: they stay while the scene moves along it. */
 
-import { arrow, axes, cleared, dot, fitted, frame as outline, legend, prefix, reach, sizes, within } from "./axes.js";
+import { arrow, axes, cleared, dot, fitted, frame as outline, legend, multiple, reach, sizes, within } from "./axes.js";
 
 const ADVANCING = "#1f5a92", RECEDING = "#3d7a4a", JUMP = "#8a5a00", HERE = "#b3261e";
 
@@ -75,11 +75,11 @@ export class LoadCurve {
     const size = sizes(width), pen = cleared(canvas, width, size.height + 20, size.font);
     const lines = found ? [...found.advancing, ...found.receding] : [], points = lines.flat();
     const of = k => points.map(point => point[k]), [left, right] = reach(of(0), [here[0], 0]), [low, high] = reach(of(1), [here[1], 0]);
-    const [along, up] = [prefix(Math.max(-left, right)), prefix(Math.max(-low, high))];
+    const [along, up] = [multiple(Math.max(-left, right), names[0][1]), multiple(Math.max(-low, high), names[1][1])];
     const scaled = ([x, y, slope = null]) => [along[0] * x, up[0] * y, slope === null ? null : slope * up[0] / along[0]];
     this.ranges.x = fitted(this.ranges.x, along[0] * left, along[0] * right, [left < 0 ? 0.05 : 0, 0.04]);
     this.ranges.y = fitted(this.ranges.y, up[0] * low, up[0] * high, [low < 0 ? 0.08 : 0, 0.08]);
-    const titles = [`${names[0][0]} [${along[1]}${names[0][1]}]`, `${names[1][0]} [${up[1]}${names[1][1]}]`];
+    const titles = [`${names[0][0]}${along[1] && ` [${along[1]}]`}`, `${names[1][0]}${up[1] && ` [${up[1]}]`}`];
     const box = { left: size.left, right: width - size.right, top: size.top, bottom: size.height + 20 - size.bottom };
     const at = axes(pen, box, this.ranges.x, this.ranges.y, titles, size);
     within(pen, at, () => {

@@ -1,7 +1,7 @@
 /* The upper picture: bodies, pressure, and the stress below, over the same x. `canvas.frames` counts what was painted, `canvas.across` is
    the stretch of x that is shown. */
 
-import { QUIET, area, arrow, axes, cleared, fitted, frame as outline, legend, line, prefix, reach, sizes, within } from "./axes.js";
+import { QUIET, area, arrow, axes, cleared, fitted, frame as outline, legend, line, multiple, reach, sizes, within } from "./axes.js";
 import { image, key, scaled } from "./below.js";
 
 const BODY = "#7a7a7a", SURFACE = "#1f5a92", PRESSURE = "#b3261e", ZONE = "rgba(242, 193, 78, 0.2)";
@@ -164,8 +164,8 @@ export class Pictures {
       return;
     }
     this.top = scaled(this.top, below.top);
-    const depth = below.depth / this.frame.along, [factor, letter] = prefix(depth), own = { left: 0, right: box.right - box.left };
-    const at = axes(pen, box, across, { low: factor * depth, high: 0 }, [names[0], `depth [${letter}m]`], size);
+    const depth = below.depth / this.frame.along, [factor, unit] = multiple(depth, "m"), own = { left: 0, right: box.right - box.left };
+    const at = axes(pen, box, across, { low: factor * depth, high: 0 }, [names[0], `depth [${unit}]`], size);
     within(pen, at, () => {
       const wide = Math.round(at.x(below.high) - at.x(below.low)), tall = Math.round(box.bottom - box.top);
       const made = [wide, tall, below.kind, this.top].join();
