@@ -200,8 +200,8 @@ def numbers(solution: contact.Solution) -> str:
     fraction = solution.contact_fraction
     lines = [
         ("zones", str(len(solution.zones))), ("load", quantity(solution.load, "N/m")),
-        ("highest pressure", quantity(solution.max_pressure, "Pa")), ("approach", quantity(solution.approach, "m")),
-        ("in contact", "not defined" if fraction is None else f"{100 * fraction:.4g} %"), ("stated error", f"{solution.error:.0e}"),
+        ("largest pressure", quantity(solution.max_pressure, "Pa")), ("approach", quantity(solution.approach, "m")),
+        ("contact fraction", "not defined" if fraction is None else f"{100 * fraction:.4g} %"), ("stated error", f"{solution.error:.0e}"),
     ]  # fmt: skip
     return "".join(f"{name:18}{value}\n" for name, value in lines)
 

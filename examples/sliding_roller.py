@@ -23,7 +23,7 @@ def main():
         a, b = 1e6 * solution.zones[0]
         print(f"friction {friction:.1f}: contact from {a:7.2f} to {b:6.2f} um,", end=" ")
         print(f"half width {0.5 * (b - a):.3f} ({1e6 * half:.3f} in closed form),", end=" ")
-        print(f"tangential load {1e-3 * solution.tangential_load:4.1f} kN/m")
+        print(f"tangential load {1e-3 * solution.tangential_load:4.1f} N/mm")
         found.append((solution, half, half * (1 - 2 * alpha)))
     return found
 
