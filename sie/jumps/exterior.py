@@ -114,12 +114,18 @@ class ExteriorLogarithms(PerZone):
     # The methods below give values at points (n,). A point is given by its zone and by its
     # distances from the zone's ends, in half widths.
     def density(self, zone: Index, left: Array, right: Array) -> Array:
-        """Density on each zone that is caused by the logarithms outside but close to this zone."""
-        phi = theta(left, right)
+        """Density on each zone that is caused by the logarithms outside but close to this zone.
+
+        At the end at which a logarithm stands, it is the limit from within the zone.
+        """
+        sine = np.sqrt(left * right)
 
         def part(at: Index, k: Index) -> Array:
-            rho = self.rho[k]
-            return np.asarray(np.arctan2(rho * np.sin(phi[at]), 1 - rho * np.cos(phi[at])))
+            rho, size = self.rho[k], np.abs(self.rho[k])
+            # 1 - rho cos(theta), from the distance to the end that is nearer to the logarithm.
+            across = (1 - size) + size * np.where(rho > 0, right[at], left[at])
+            angle = np.arctan2(rho * sine[at], across)
+            return np.asarray(np.where(across == 0.0, np.copysign(0.5 * np.pi, rho), angle))
 
         return self.grouped.summed(zone, -2 * self.weight, part)
 

@@ -177,6 +177,14 @@ def test_fields_agree_with_each_other(two):
     np.testing.assert_allclose(stress.yy, -pressure[:50], atol=1e-14)
 
 
+def test_the_pressure_at_the_ends_of_plateaus_is_the_limit_and_the_roots_end_there(two):
+    for ends, inwards in zip(two.plateaus.T, (-1.0, 1.0), strict=True):
+        np.testing.assert_allclose(two.pressure(ends), 0.5, rtol=1e-14)
+        # Beside a plateau the pressure falls as the square root of the distance.
+        near, far = (0.5 - two.pressure(ends + inwards * d) for d in (1e-10, 1e-8))
+        np.testing.assert_allclose(far / near, 10.0, rtol=1e-4)
+
+
 def test_stiffness_and_widening_are_derivatives_by_the_load(two):
     step = 1e-4
     more, less = (solved(FOUR, 0.5, mean_pressure=0.2 + sign * step) for sign in (1, -1))
