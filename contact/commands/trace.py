@@ -22,7 +22,7 @@ from contact.model.scene_file import load_scene, toml
 from contact.model.traces.prepare import Trace, load_trace
 from contact.model.traces.roughness import Roughness, height_distribution, power_spectrum, roughness
 from contact.model.units import quantity, scaled
-from contact.solution.plotting import new_figure
+from contact.solution.drawing import new_figure
 from contact.solution.terminal import show_table
 from sie import Array
 

@@ -7,7 +7,8 @@ import numpy as np
 from contact.model.units import scaled
 from contact.slip.report import numbers
 from contact.slip.result import Slip
-from contact.solution.plotting import FIGURE, finish, html_table, new_figure, picture
+from contact.solution.drawing import FIGURE, finish, new_figure
+from contact.solution.plotting import html_table, picture
 from contact.solution.report import HEADS
 from contact.solution.sampling import POINTS, positions, top_pressure, window
 from sie import Array

@@ -6,24 +6,34 @@ above, with its asperities pointing down. The counter-face is below, flat or wit
 own, and carries the displacement of both. If there are many zones, or very narrow ones, a second
 column shows both panels near the highest pressure.
 
-Figures are drawn by matplotlib's Agg without pyplot, so that no window, backend or setting changes.
 In a notebook a solution shows as a table of its numbers, with its figure if matplotlib is
 installed.
 """
 
 import base64
 import io
-import sys
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from html import escape
 from typing import Any
 
 import numpy as np
 
-from contact.errors import MissingExtra, SceneError
-from contact.extras import require
+from contact.errors import MissingExtra
 from contact.model.units import quantity, scaled
+from contact.solution.drawing import (
+    BODY,
+    CLOSE,
+    FIGURE,
+    PRESSURE,
+    SURFACE,
+    ZONE,
+    Stretch,
+    inner_ticks,
+    legend_outside,
+    new_figure,
+    shared_unit,
+    stretches,
+)
 from contact.solution.report import HEADS, numbers
 from contact.solution.sampling import (
     POINTS,
@@ -36,48 +46,59 @@ from contact.solution.sampling import (
     zones_within,
 )
 from contact.solution.solution import Solution
-from sie import Array
-
-_BODY = "#7a7a7a"
-_SURFACE = "#1f5a92"
-_PRESSURE = "#b3261e"
-_ZONE = "#f2c14e"
-_CLOSE = "#3d7a4a"
+from sie import Array, record
 
 
-@dataclass(frozen=True)
-class FigureOptions:
-    """Options of the figures: the size of details that can be seen in print."""
+@record
+class _Heights:
+    """Heights [m] of the deformed surface and of the body at positions x [m]."""
 
-    # Smallest size of a visible detail, relative to the width or the height of a panel.
-    min_visible: float = 0.06
+    x: Array
+    surface: Array
+    body: Array
 
     @property
-    def max_zones(self) -> int:
-        """Largest number of zones that can be seen if zones and gaps have equal widths."""
-        return int(0.5 / self.min_visible)
+    def limits(self) -> tuple[float, float]:
+        """The lowest and the highest finite height."""
+        both = np.concatenate((self.surface, self.body))
+        both = both[np.isfinite(both)]
+        return float(both.min()), float(both.max())
 
-
-FIGURE = FigureOptions()
+    @property
+    def size(self) -> float:
+        """The size that the unit of the heights is chosen for."""
+        low, high = self.limits
+        reach = high - low or max(abs(high), 1e-12)
+        return max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach
 
 
 def plot(solution: Solution) -> Any:
     """A matplotlib Figure of profile, deformed surface, zones and pressure."""
-    stretches = [window(solution)]
-    close = close_up(solution, *stretches[0])
-    if close is not None:
-        stretches.append(close)
+    whole = window(solution)
+    close = close_up(solution, *whole)
+    columns = stretches(whole) if close is None else stretches(whole, close)
     figure = new_figure(7.2 if close is None else 10.2, 5.4)
     ratios = [1.0] if close is None else [1.55, 1.0]
-    axes = figure.subplots(2, len(stretches), sharex="col", squeeze=False, width_ratios=ratios)
-    for (top, bottom), (lo, hi) in zip(axes.T, stretches, strict=True):
-        _draw(top, bottom, solution, lo, hi)
+    axes = figure.subplots(2, len(columns), sharex="col", squeeze=False, width_ratios=ratios)
+    heights = []
+    for column in columns:
+        x = positions(solution, column.lo, column.hi, POINTS.screen_points)
+        heights.append(_Heights(x, *surfaces(solution, x)))
+    up = shared_unit("m", *(one.size for one in heights))
+    for (top, bottom), column, one in zip(axes.T, columns, heights, strict=True):
+        marked = close is not None and column is columns[0]
+        _draw_surfaces(top, solution, column, (one, *up), marked)
+        draw_pressure(bottom, solution, column)
+        bottom.set(xlabel=column.label, xlim=column.limits)
+        bottom.locator_params(axis="x", nbins=6)
+        zones = zones_within(solution, column.lo, column.hi)
+        for panel in (top, bottom):
+            inner_ticks(panel)
+            for left, right in column.along(zones) if len(zones) <= FIGURE.max_zones else ():
+                panel.axvspan(left, right, facecolor=ZONE, alpha=0.18, edgecolor="none", zorder=0)
     if close is not None:
-        _mark_close_up(axes, solution, *close)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="outside upper center", ncols=len(labels), frameon=False, fontsize=9
-    )
+        _mark_close_up(axes, columns)
+    legend_outside(figure, axes[:, 0])
     figure.supxlabel(summary(solution), fontsize=9)
     return figure
 
@@ -106,92 +127,112 @@ def summary(solution: Solution) -> str:
     return ",  ".join(parts)
 
 
-def _draw(top: Any, bottom: Any, solution: Solution, lo: float, hi: float) -> None:
-    """Draw the panel of the surfaces and the panel of the pressure from lo to hi."""
-    x = positions(solution, lo, hi, POINTS.screen_points)
-    zones = zones_within(solution, lo, hi)
-    along, unit = scaled(max(abs(lo), abs(hi)), "m")
-    bottom.set(xlabel=f"$x$ [{unit}]", xlim=(lo * along, hi * along))
-    bottom.locator_params(axis="x", nbins=6)
-    _draw_surfaces(top, solution, x, zones, along)
-    _draw_pressure(bottom, solution, x, zones, along)
-    for axes in (top, bottom):
-        axes.tick_params(direction="in", top=True, right=True)
-        for left, right in zones * along if len(zones) <= FIGURE.max_zones else ():
-            axes.axvspan(left, right, facecolor=_ZONE, alpha=0.18, edgecolor="none", zorder=0)
-
-
-def _draw_surfaces(axes: Any, solution: Solution, x: Array, zones: Array, along: float) -> None:
-    surface, body = surfaces(solution, x)
-    seen, below = np.isfinite(body), np.isfinite(surface)
-    heights = np.concatenate((surface[below], body[seen]))
-    low, high = float(heights.min()), float(heights.max())
+def _draw_surfaces(
+    axes: Any, solution: Solution, column: Stretch, drawn: tuple[_Heights, float, str], marked: bool
+) -> None:
+    """Draw both surfaces; marked: whether a pointer to a close-up stands above them."""
+    heights, up, unit = drawn
+    seen, below = np.isfinite(heights.body), np.isfinite(heights.surface)
+    low, high = heights.limits
     reach = high - low or max(abs(high), 1e-12)
-    size = max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach
-    up, unit = scaled(size, "m")
     # A body's height is infinite outside the body's sharp corners. There the outline is drawn
     # outside the panel.
-    outline, surface = np.where(seen, body, high + reach), np.where(below, surface, low - reach)
-    ceiling = high + (0.22 if seen.all() else 0.6) * reach
-    floor = low - (0.24 if below.all() else 0.6) * reach
-    axes.fill_between(x * along, outline * up, ceiling * up, color=_BODY, alpha=0.22, linewidth=0)
-    axes.fill_between(x * along, floor * up, surface * up, color=_SURFACE, alpha=0.10, linewidth=0)
-    axes.plot(x * along, outline * up, color=_BODY, linewidth=1.2, label="profile")
-    axes.plot(x * along, surface * up, color=_SURFACE, linewidth=1.4, label="deformed surface")
+    outline = up * np.where(seen, heights.body, high + reach)
+    surface = up * np.where(below, heights.surface, low - reach)
+    ceiling = up * (high + (0.22 if seen.all() else 0.6) * reach)
+    floor = up * (low - (0.24 if below.all() else 0.6) * reach)
+    x, zones = column.along(heights.x), zones_within(solution, column.lo, column.hi)
+    axes.fill_between(x, outline, ceiling, color=BODY, alpha=0.22, linewidth=0)
+    axes.fill_between(x, floor, surface, color=SURFACE, alpha=0.10, linewidth=0)
+    axes.plot(x, outline, color=BODY, linewidth=1.2, label="profile")
+    axes.plot(x, surface, color=SURFACE, linewidth=1.4, label="deformed surface")
     # NaN values between the zones let one line object draw all zones.
-    touching = np.where(on_zones(x, zones), surface, np.nan)
+    touching = np.where(on_zones(heights.x, zones), surface, np.nan)
     weight = 2.6 if len(zones) <= FIGURE.max_zones else 1.8
-    axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
-    axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{unit}]")
-    # The label "body" is placed above a point in contact, since the body is always drawn there.
-    middle = float(zones[len(zones) // 2].mean()) if len(zones) else float(0.5 * (x[0] + x[-1]))
-    where = float(np.clip((middle - x[0]) / (x[-1] - x[0]), 0.06, 0.94))
-    for place, height, side, style in (
-        (where, 0.96, "body", {"ha": "center", "va": "top", "color": _BODY}),
-        (0.015, 0.04, "counter-face", {"va": "bottom", "color": _SURFACE}),
+    axes.plot(x, touching, color=PRESSURE, linewidth=weight, label="contact")
+    axes.set(ylim=(floor, ceiling), ylabel=f"height [{unit}]")
+    # The label "body" is placed above a point in contact, since the body is always drawn there,
+    # and beside the pointer to a close-up.
+    middle = float(zones[len(zones) // 2].mean()) if len(zones) else 0.5 * (column.lo + column.hi)
+    where = float(np.clip((middle - column.lo) / (column.hi - column.lo), 0.06, 0.94))
+    side, shift = ("right", -8) if marked and where > 0.5 else ("left", 8)
+    above = {"ha": side if marked else "center", "va": "top", "color": BODY}
+    for place, height, away, name, style in (
+        (where, 0.96, shift if marked else 0, "body", above),
+        (0.015, 0.04, 0, "counter-face", {"va": "bottom", "color": SURFACE}),
     ):
-        axes.text(
-            place, height, side, transform=axes.transAxes, fontsize=8, fontweight="bold", **style
+        axes.annotate(
+            name,
+            (place, height),
+            (away, 0),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            fontsize=8,
+            fontweight="bold",
+            **style,
         )
 
 
-def _draw_pressure(axes: Any, solution: Solution, x: Array, zones: Array, along: float) -> None:
-    pressure = solution.pressure(x)
-    top = top_pressure(solution)
-    if np.isfinite(solution.max_pressure):
-        top = float(max(pressure.max(), 1e-3 * top)) or 1.0
-    scale, unit = scaled(top, "Pa")
-    shown = np.clip(pressure, -2.0 * top, 2.0 * top) * scale
-    axes.fill_between(
-        x * along, 0.0, shown, where=on_zones(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0
-    )
-    axes.plot(x * along, shown, color=_PRESSURE, linewidth=1.2)
-    if solution.mean_pressure is not None and solution.mean_pressure > FIGURE.min_visible * top:
-        axes.axhline(
-            solution.mean_pressure * scale, color="black", linewidth=0.8, linestyle=(0, (6, 4))
-        )
+def draw_pressure(axes: Any, solution: Solution, column: Stretch, name: str = "pressure") -> None:
+    """Draw the pressure over an interval, with the shear of sliding, plateaus and tension.
+
+    name: of the ordinate.
+    """
+    x = positions(solution, column.lo, column.hi, POINTS.screen_points)
+    zones, along = zones_within(solution, column.lo, column.hi), column.along(x)
+    pressure, top = solution.pressure(x), top_pressure(solution)
+    # At the end of an adhesive zone the tension may be unbounded. Then it is drawn at most as far
+    # below zero as the peak is above zero.
+    lowest = float(np.min(pressure, initial=0.0))
+    if not np.isfinite(lowest):
+        lowest = max(float(np.min(pressure[np.isfinite(pressure)], initial=0.0)), -top)
+        _note(axes, r"$p \to -\infty$", 0.05)
+    if np.isinf(solution.max_pressure):
+        _note(axes, r"$p \to \infty$", 0.92)
+    elif column.hi - column.lo < np.ptp(window(solution)):
+        top = max(float(pressure.max()), 1e-3 * top) or 1.0
+    scale, unit = scaled(max(top_pressure(solution), -lowest), "Pa")
+    shown = np.clip(pressure, lowest - top, 2.0 * top) * scale
+    fill = {"color": PRESSURE, "linewidth": 0}
+    axes.fill_between(along, 0.0, shown, where=on_zones(x, zones), alpha=0.22, **fill)
+    axes.plot(along, shown, color=PRESSURE, linewidth=1.2)
+    if len(solution.cohesive):
+        pulled = (shown < 0.0) & ~on_zones(x, zones)
+        style = {"facecolor": "none", "edgecolor": PRESSURE, "linewidth": 0, "hatch": "////"}
+        axes.fill_between(along, 0.0, shown, where=pulled, label="cohesive tension", **style)
+    if len(solution.plateaus):
+        highest = pressure >= solution.scene.law.pressure_range.highest
+        axes.fill_between(along, 0.0, shown, where=highest, alpha=0.3, label="plateau", **fill)
+    if solution.scene.law.shear_ratio:
+        shear = np.clip(solution.shear(x), -2.0 * top, 2.0 * top)
+        lowest = min(lowest, float(shear.min()))
+        style = {"color": SURFACE, "linewidth": 1.2, "linestyle": (0, (4, 2))}
+        axes.plot(along, shear * scale, label="shear", **style)
+    mean = solution.mean_pressure
+    if mean is not None and mean > FIGURE.min_visible * top:
+        axes.axhline(mean * scale, color="black", linewidth=0.8, linestyle=(0, (6, 4)))
         axes.annotate(
             r"$\bar p$",
-            (1.0, solution.mean_pressure * scale),
+            (1.0, mean * scale),
             xycoords=("axes fraction", "data"),
             xytext=(-4, 3),
             textcoords="offset points",
             ha="right",
             fontsize=9,
         )
-    if np.isinf(solution.max_pressure):
-        axes.annotate(
-            r"$p \to \infty$",
-            (0.99, 0.92),
-            xycoords="axes fraction",
-            ha="right",
-            va="top",
-            fontsize=9,
-        )
-    # The tension at the ends of adhesive zones is unbounded. It is drawn at most as far below zero
-    # as the peak is above zero.
-    lowest = max(float(np.min(pressure, initial=0.0)), -top)
-    axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{unit}]")
+    low, high = 1.08 * lowest * scale, 1.08 * top * scale
+    axes.set(ylim=(low, high), ylabel=f"{name} [{unit}]")
+
+
+def _note(axes: Any, text: str, height: float) -> None:
+    axes.annotate(
+        text,
+        (0.99, height),
+        xycoords="axes fraction",
+        ha="right",
+        va="top" if height > 0.5 else "bottom",
+        fontsize=9,
+    )
 
 
 def close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | None:
@@ -214,75 +255,27 @@ def close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | 
     return middle - reach, middle + reach
 
 
-def _mark_close_up(axes: Any, solution: Solution, lo: float, hi: float) -> None:
+def _mark_close_up(axes: Any, columns: list[Stretch]) -> None:
     """Mark, in the first column of panels, the interval that the second column enlarges.
 
     The pointer shows the interval even if it is no wider than the line of the peak in it.
     """
-    along, _ = scaled(max(abs(end) for end in window(solution)), "m")
-    for whole in axes[:, 0]:
-        whole.axvspan(
-            lo * along, hi * along, facecolor=_CLOSE, alpha=0.22, edgecolor="none", zorder=0
-        )
-        whole.plot(
-            0.5 * (lo + hi) * along,
+    whole, close = columns
+    lo, hi = whole.along(close.lo), whole.along(close.hi)
+    for panel in axes[:, 0]:
+        panel.axvspan(lo, hi, facecolor=CLOSE, alpha=0.16, edgecolor="none", zorder=0)
+        panel.plot(
+            0.5 * (lo + hi),
             1.0,
             marker=11,
             markersize=7,
-            color=_CLOSE,
+            color=CLOSE,
             linestyle="none",
             clip_on=False,
-            transform=whole.get_xaxis_transform(),
+            transform=panel.get_xaxis_transform(),
             label="_close-up",
         )
-    axes[0, 1].set_title("around the highest pressure", fontsize=9, color=_CLOSE)
-
-
-def new_figure(width: float, height: float) -> Any:
-    """An empty figure of a given size [inch]."""
-    figure = require("matplotlib.figure").Figure(figsize=(width, height), layout="constrained")
-    require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
-    _show_in_notebooks(type(figure))
-    return figure
-
-
-def _show_in_notebooks(figure: type) -> None:
-    """Tell IPython, where it runs, to show figures as pictures.
-
-    IPython itself registers figures only once pyplot is imported, which this module leaves out.
-    """
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    if shell is not None and not any(
-        figure in shown for shown in shell.display_formatter.formatters.values()
-    ):
-        require("IPython.core.pylabtools").select_figure_formats(shell, {"png"})
-
-
-def panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
-    """A new figure with `count` axes side by side, or the given axes and their figure."""
-    if ax is None:
-        figure = new_figure(4.6 * count + 0.6, 3.9)
-        return figure, figure.subplots(1, count, squeeze=False)[0]
-    given = list(np.ravel(np.asarray(ax, dtype=object)))
-    axes = require("matplotlib.axes").Axes
-    if not 1 <= len(given) <= count or not all(isinstance(one, axes) for one in given):
-        most = (
-            "one matplotlib Axes, or two"
-            if count == 2
-            else "one matplotlib Axes: the scene has no approach"
-        )
-        raise SceneError.of("ax", ax, f"None, or {most}")
-    return given[0].figure, given
-
-
-def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
-    """Set the axis labels, inner ticks, and a legend that shows each label once."""
-    axes.set(xlabel=across, ylabel=up)
-    axes.tick_params(direction="in", top=True, right=True)
-    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    if legend and len(handles) > 1:
-        axes.legend(handles.values(), handles.keys(), frameon=False, fontsize=8)
+    axes[0, 1].set_title("around the highest pressure", fontsize=9, color=CLOSE)
 
 
 def to_html(solution: Solution) -> str:

@@ -11,16 +11,22 @@ from typing import Any
 
 import numpy as np
 
+from contact.extras import require
 from contact.model.units import quantity, scaled
-from contact.solution.plotting import new_figure, summary
-from contact.solution.sampling import (
-    POINTS,
-    on_zones,
-    positions,
-    top_pressure,
-    window,
-    zones_within,
+from contact.solution.drawing import (
+    CLOSE,
+    FIGURE,
+    PRESSURE,
+    Stretch,
+    inner_ticks,
+    legend_outside,
+    log_ticks,
+    new_figure,
+    outlined,
+    stretches,
 )
+from contact.solution.plotting import draw_pressure, summary
+from contact.solution.sampling import window, zones_within
 from contact.solution.solution import Solution
 from contact.solution.stress_report import StressReport, depth_of, grid
 from sie import Array, record
@@ -32,9 +38,8 @@ SHOWN = ("shear", "mises", "fringes")
 class StressFigureOptions:
     """Options of the figures of stresses."""
 
-    levels: int = 12  # contours up to the largest stress
+    levels: int = 16  # largest number of contours up to the largest stress
     fringes: int = 10  # orders up to the largest shear stress
-    close_up: float = 0.12  # of the width: a smaller peak gets a close-up column
     reach: float = 1.6  # half width of a close-up, over the size of the peak
     zones: int = 400  # widest zones with points of their own; also the number of even points
     singular_part: float = 0.995  # quantile that is the highest contour if the peak is infinite
@@ -43,41 +48,30 @@ class StressFigureOptions:
 
 OPTIONS = StressFigureOptions()
 _NAMES = {"shear": r"$\tau_\mathrm{max}$", "mises": r"von Mises stress", "fringes": "fringes"}
-_RED, _BLUE, _GREEN = "#b3261e", "#1f5a92", "#3d7a4a"
 
 
 @record
 class _Column:
-    """A column of panels from lo to hi [m], down to the depth `below` [m].
+    """A column of panels over an interval, down to the depth `below` [m].
 
-    origin: the place that x counts from. log: whether the depth is logarithmic, from `above` on.
+    above: where a logarithmic depth begins [m]; 0 if the depth is not logarithmic.
     """
 
-    lo: float
-    hi: float
+    along: Stretch
     below: float
-    origin: float = 0.0
     above: float = 0.0
-
-    @property
-    def unit(self) -> tuple[float, str]:
-        """Factor and unit of the positions x in the plot."""
-        return scaled(max(abs(self.lo - self.origin), abs(self.hi - self.origin)), "m")
-
-    @property
-    def depth_unit(self) -> tuple[float, str]:
-        return scaled(np.sqrt(self.above * self.below), "m") if self.above else self.unit
 
     def field(self, report: StressReport) -> tuple[Array, Array, Any]:
         """Places x (n,) [m], depths y (m,) [m] and the stresses (m, n) at these points."""
+        lo, hi = self.along.lo, self.along.hi
         if not self.above:
-            return grid(report, self.lo, self.hi, self.below)
-        zones = zones_within(report.solution, self.lo, self.hi)
+            return grid(report, lo, hi, self.below)
+        zones = zones_within(report.solution, lo, hi)
         some = zones[np.argsort(zones[:, 0] - zones[:, 1])[: OPTIONS.zones]]
         wide = np.diff(some, axis=1)
         near = some.mean(axis=1)[:, None] + wide * np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
-        x = np.union1d(np.linspace(self.lo, self.hi, OPTIONS.zones), near.ravel())
-        x = x[(x >= self.lo) & (x <= self.hi)]
+        x = np.union1d(np.linspace(lo, hi, OPTIONS.zones), near.ravel())
+        x = x[(x >= lo) & (x <= hi)]
         y = np.geomspace(self.above, self.below, 80)
         return x, y, report.stress(x, y[:, None])
 
@@ -88,7 +82,8 @@ def plot_stress(report: StressReport, show: str = "shear") -> Any:
     show: "shear" for the largest shear stress in the plane, "mises", or "fringes".
     """
     columns = _columns(report, show)
-    ratio = 0.45 if len(columns) > 1 else columns[0].below / (columns[0].hi - columns[0].lo)
+    lo, hi = columns[0].along.lo, columns[0].along.hi
+    ratio = 0.45 if len(columns) > 1 else columns[0].below / (hi - lo)
     wide = 6.4 if len(columns) == 1 else 10.6
     figure = new_figure(wide, 1.9 + 5.2 * ratio)
     axes = figure.subplots(
@@ -98,15 +93,18 @@ def plot_stress(report: StressReport, show: str = "shear") -> Any:
     values = [_value(report, stress, show) for *_, stress in drawn]
     top, shading = _top(report, show, values), None
     for pair, column, (x, y, _), value in zip(axes.T, columns, drawn, values, strict=True):
-        _draw_pressure(pair[0], report, column)
+        draw_pressure(pair[0], report.solution, column.along, "$p$")
+        inner_ticks(pair[0])
         shading = _draw_stress(pair[1], report, show, (x, y, value), (column, top))
     if shading is not None:
         bar = figure.colorbar(shading, ax=list(axes.ravel()), pad=0.01, aspect=30, format="%.3g")
         bar.set_label(f"{_NAMES[show]} [{scaled(top, 'Pa')[1]}]")
     if len(columns) > 1:
-        axes[0, 1].set_title("around the largest stress", fontsize=9, color=_GREEN)
-        factor, (close, whole) = columns[0].unit[0], (columns[1], axes[0, 0])
-        whole.axvspan(close.lo * factor, close.hi * factor, color=_GREEN, alpha=0.3, lw=1)
+        axes[0, 1].set_title("around the largest stress", fontsize=9, color=CLOSE)
+        whole, close = (column.along for column in columns)
+        ends = whole.along(close.lo), whole.along(close.hi)
+        axes[0, 0].axvspan(*ends, color=CLOSE, alpha=0.3, lw=1)
+    legend_outside(figure, axes[0], "lower")
     figure.suptitle(_title(report, show), fontsize=9)
     return figure
 
@@ -117,17 +115,17 @@ def _columns(report: StressReport, show: str) -> list[_Column]:
     below = depth_of(solution, lo, hi)
     peak, zones = _peak(report, show), zones_within(solution, lo, hi)
     if peak is None or len(solution.zones) == 0:
-        return [_Column(lo, hi, below)]
+        return [_Column(stretches((lo, hi))[0], below)]
     at = _image(peak.x, lo, hi, solution)
     away = np.maximum(np.maximum(zones[:, 0] - at, at - zones[:, 1]), 0.0)
     width = float(np.diff(zones, axis=1)[np.argmin(away), 0])
     # Below a smooth peak of pressure, the largest stress is as deep as a third of the peak's width.
     size = min(width, 3.0 * peak.y) if peak.y > 0 else width
-    if size > OPTIONS.close_up * (hi - lo):
-        return [_Column(lo, hi, below)]
+    if size > 2.0 * FIGURE.min_visible * (hi - lo):
+        return [_Column(stretches((lo, hi))[0], below)]
     reach = OPTIONS.reach * size
-    close = _Column(at - reach, at + reach, 0.9 * reach, at)
-    return [_Column(lo, hi, 0.5 * (hi - lo), above=0.1 * size), close]
+    whole, close = stretches((lo, hi), (at - reach, at + reach))
+    return [_Column(whole, 0.5 * (hi - lo), above=0.1 * size), _Column(close, 0.9 * reach)]
 
 
 def _image(place: float, lo: float, hi: float, solution: Solution) -> float:
@@ -155,21 +153,6 @@ def _top(report: StressReport, show: str, values: list[Array]) -> float:
     return max(float(np.nanquantile(value, OPTIONS.singular_part)) for value in values) or 1.0
 
 
-def _draw_pressure(axes: Any, report: StressReport, column: _Column) -> None:
-    solution, (lo, hi) = report.solution, (column.lo, column.hi)
-    x = positions(solution, lo, hi, POINTS.screen_points)
-    pressure, top = solution.pressure(x), top_pressure(solution)
-    along = (x - column.origin) * column.unit[0]
-    scale, unit = scaled(top, "Pa")
-    shown = np.clip(pressure, -2 * top, 2 * top) * scale
-    touching = on_zones(x, zones_within(solution, lo, hi))
-    axes.fill_between(along, 0.0, shown, where=touching, color=_RED, alpha=0.22, lw=0)
-    axes.plot(along, shown, color=_RED, linewidth=1.1)
-    lowest = max(float(pressure.min(initial=0.0)), -top)
-    axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"$p$ [{unit}]")
-    axes.tick_params(direction="in", top=True, right=True)
-
-
 def _draw_stress(
     axes: Any,
     report: StressReport,
@@ -179,13 +162,13 @@ def _draw_stress(
 ) -> Any:
     """Draw the stresses; returns the filled contours, or None for fringes."""
     (x, y, value), (column, top) = field, frame
-    (along, unit), (down, deep), scale = column.unit, column.depth_unit, scaled(top, "Pa")[0]
-    places, depths, shading = (x - column.origin) * along, y * down, None
+    along, scale = column.along, scaled(top, "Pa")[0]
+    places, depths, shading = along.along(x), y * along.factor, None
     if show == "fringes":
         fringes = np.sin(np.pi * OPTIONS.fringes * value / top) ** 2
         axes.pcolormesh(places, depths, fringes, cmap="gray", shading="gouraud")
     else:
-        levels = np.linspace(0.0, top * scale * (1 + 1e-9), OPTIONS.levels + 1)
+        levels = _levels(top * scale)
         capped = np.minimum(value, top) * scale  # at sharp corners stresses are infinite
         shading = axes.contourf(places, depths, capped, levels, cmap="magma_r")
         if not column.above:
@@ -193,32 +176,46 @@ def _draw_stress(
                 places, depths, value * scale, levels[1:-1], colors="black", linewidths=0.3
             )
         if report.strength is not None and show == report.criterion:
-            wide = 0.8 if column.above else 1.6
-            axes.contour(places, depths, value, [report.strength], colors=_BLUE, linewidths=wide)
-    if column.above:
-        axes.set_yscale("log")
-        axes.yaxis.set_major_formatter("{x:g}")
+            _draw_strength(axes, (places, depths, value), report.strength, bool(column.above))
     zones = zones_within(report.solution, float(x[0]), float(x[-1]))
-    left, right = (zones.T - column.origin) * along
-    axes.hlines(np.full(len(zones), depths[0]), left, right, _RED, lw=3.0, clip_on=False, zorder=5)
-    shift = f" - {quantity(column.origin, 'm', 5)}" if column.origin else ""
+    left, right = along.along(zones.T)
+    line = {"lw": 3.0, "clip_on": False, "zorder": 5}
+    axes.hlines(np.full(len(zones), depths[0]), left, right, PRESSURE, **line)
     axes.set(
         xlim=(places[0], places[-1]),
         ylim=(depths[-1], depths[0]),
-        xlabel=f"$x${shift} [{unit}]",
-        ylabel=f"depth $y$ [{deep}]",
+        xlabel=along.label,
+        ylabel=f"depth $y$ [{along.unit}]",
     )
     axes.locator_params(axis="x", nbins=6)
-    axes.tick_params(direction="in", top=True, right=True)
+    if column.above:
+        axes.set_yscale("log")
+        log_ticks(axes.yaxis)
+    inner_ticks(axes)
     peak = _peak(report, show)
     if peak is not None:
         at = _image(peak.x, float(x[0]), float(x[-1]), report.solution)
         if x[0] <= at <= x[-1] and peak.y <= y[-1]:
             style = {"markersize": 8, "markeredgewidth": 1.8, "clip_on": False, "zorder": 6}
-            colour = _RED if show == "fringes" else _BLUE if column.above else "white"
-            place = (at - column.origin) * along, max(peak.y * down, depths[0])
-            axes.plot(*place, marker="x", color=colour, **style)
+            place = along.along(at), max(peak.y * along.factor, depths[0])
+            axes.plot(*place, marker="x", color="white", path_effects=outlined(1.8), **style)
     return shading
+
+
+def _levels(top: float) -> Array:
+    """Round values from 0 to the first one that is not below `top`."""
+    locator = require("matplotlib.ticker").MaxNLocator(OPTIONS.levels, steps=[1, 2, 2.5, 5, 10])
+    levels = np.asarray(locator.tick_values(0.0, top))
+    return levels[levels >= 0.0]
+
+
+def _draw_strength(
+    axes: Any, field: tuple[Array, Array, Array], strength: float, thin: bool
+) -> None:
+    """Draw the line on which the stress is the strength."""
+    wide = 0.8 if thin else 1.6
+    line = axes.contour(*field, [strength], colors="white", linewidths=wide, linestyles="--")
+    line.set(path_effects=outlined(wide))
 
 
 def place_of(x: float, y: float) -> float:

@@ -32,9 +32,9 @@ from contact.search.context import SolveContext
 from contact.search.grid.tilt import known_part
 from contact.search.topology.loop import Progress
 from contact.solution import assemble
+from contact.solution.drawing import panels
 from contact.solution.model_warnings import curve_warnings
 from contact.solution.plan import plan
-from contact.solution.plotting import panels
 from contact.solution.quantities import Energy
 from contact.solution.sampling import surfaces
 from contact.solution.solution import Solution

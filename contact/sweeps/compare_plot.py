@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contact.model.units import scaled
-from contact.solution.plotting import FIGURE, new_figure
+from contact.solution.drawing import FIGURE, new_figure
 from contact.solution.sampling import POINTS, peak_position, positions, top_pressure, window
 from contact.solution.solution import Solution
 from contact.sweeps.compare import Attempt, difference, ends_apart, pressure_apart, refusals

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from contact.model.units import scaled
-from contact.solution.plotting import finish, panels
+from contact.solution.drawing import finish, panels
 from contact.solution.sampling import on_zones
 from contact.solution.solution import Solution
 from contact.sweeps.path_table import Passed, columns

@@ -48,6 +48,14 @@ class StandIn:
     warnings: tuple[str, ...] = ()
 
     @property
+    def cohesive(self) -> np.ndarray:
+        return np.zeros((0, 2))
+
+    @property
+    def plateaus(self) -> np.ndarray:
+        return np.zeros((0, 2))
+
+    @property
     def fields(self) -> SimpleNamespace:
         """Nothing is known of them beforehand."""
         return SimpleNamespace(pressure_bound=np.inf)

@@ -4,6 +4,7 @@ itself.
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 
@@ -16,6 +17,7 @@ from tests.contact.stand_in import StandIn
 
 matplotlib = pytest.importorskip("matplotlib")
 plotting = pytest.importorskip("contact.solution.plotting")
+drawing = pytest.importorskip("contact.solution.drawing")
 
 L = 1e-4
 
@@ -98,11 +100,11 @@ class TestPanels:
             contact.Scene(contact.Flat(2e-5, 6e-5), 1.1e11, contact.Periodic(), mean_pressure=1e7)
         )
         top = plotting.plot(solution).axes[0]
-        x, y = next(t.get_position() for t in top.texts if t.get_text() == "body")
+        x, y = next(t.xy for t in top.texts if t.get_text() == "body")
         lo, hi = top.get_xlim()
         # A punch is body over its width alone.
         assert abs(lo + x * (hi - lo)) < 10 and y > 0.5
-        assert next(t.get_position()[1] for t in top.texts if t.get_text() == "counter-face") < 0.5
+        assert next(t.xy[1] for t in top.texts if t.get_text() == "counter-face") < 0.5
 
 
 class TestScenes:
@@ -145,7 +147,7 @@ class TestScenes:
         assert bottom.get_ylim()[1] == pytest.approx(1.08 * 4 * 1e3 / 2e-5 * 1e-6, rel=1e-9)
 
 
-def test_tension_beside_the_ends_of_zones_that_adhere_is_drawn_below_zero_and_cut_off():
+def test_singular_tension_at_the_ends_of_adhesive_zones_is_drawn_below_zero_and_cut_off():
     scene = contact.Scene(
         contact.Sinusoid(1e-6, 1e-4),
         1e9,
@@ -162,6 +164,125 @@ def test_tension_beside_the_ends_of_zones_that_adhere_is_drawn_below_zero_and_cu
     drawn = bottom.lines[0].get_ydata()
     low, high = bottom.get_ylim()
     assert low < 0 < high and np.min(drawn) < low and np.max(drawn) < high
+    assert any(r"-\infty" in text.get_text() for text in bottom.texts)
+
+
+def scenes():
+    """A scene of each kind, at sizes from nanometres to metres."""
+    wave, alone, row = contact.Sinusoid(1e-6, L), contact.Isolated(), contact.Periodic()
+    rough = contact.Fourier(1e-3, cosine=[1e-6 / k for k in range(1, 60)])
+    return {
+        "hertz": contact.Scene(contact.Parabola(2e-8), 1.1e11, alone, load=1.0),
+        "wheel": contact.Scene(contact.Parabola(0.46), 1.1e11, alone, load=1e6),
+        "light": contact.Scene(wave, 1.1e11, row, mean_pressure=1e3),
+        "rough": contact.Scene(rough, 1.1e11, row, mean_pressure=1e7),
+        "punch": contact.Scene(contact.Flat(2e-5, 6e-5), 1.1e11, row, mean_pressure=1e7),
+        "adhesive": contact.Scene(wave, 1e9, row, law=contact.JKR(0.01), mean_pressure=1e5),
+        "cohesive": contact.Scene(
+            wave, 1e9, row, law=contact.Dugdale(0.01, 5e6), mean_pressure=1e5
+        ),
+        "sliding": contact.Scene(
+            wave, 1.1e11, row, law=contact.Sliding(0.3, 0.2, -1), mean_pressure=1e9
+        ),
+        "plastic": contact.Scene(wave, 1.1e11, row, law=contact.Plastic(3e9), mean_pressure=1.7e9),
+        "layer": contact.Scene(
+            wave, 1.1e11, row, substrate=contact.Layer(5e-6, 0.3), mean_pressure=1e9
+        ),
+    }
+
+
+@pytest.fixture(scope="module", params=list(scenes()))
+def drawn(request):
+    """A solution and its figure."""
+    solution = contact.solve(scenes()[request.param], tol=1e-6)
+    return solution, plotting.plot(solution)
+
+
+UNIT = re.compile(r"\[([pnµmkMGT]?)(m|Pa)\]$")
+
+
+class TestEveryFigure:
+    def test_has_axes_with_a_quantity_and_a_unit(self, drawn):
+        _, figure = drawn
+        for top, bottom in zip(*np.split(np.array(figure.axes), 2), strict=True):
+            assert top.get_ylabel().startswith("height [") and UNIT.search(top.get_ylabel())
+            assert bottom.get_ylabel().startswith("pressure [")
+            assert UNIT.search(bottom.get_ylabel())[2] == "Pa"
+            assert UNIT.search(bottom.get_xlabel())[2] == "m"
+
+    def test_has_one_unit_for_each_quantity(self, drawn):
+        _, figure = drawn
+        tops, bottoms = np.split(np.array(figure.axes), 2)
+        for labels in (
+            [axes.get_ylabel() for axes in tops],
+            [axes.get_ylabel() for axes in bottoms],
+            [UNIT.search(axes.get_xlabel())[0] for axes in bottoms],
+        ):
+            assert len(set(labels)) == 1
+
+    def test_has_limits_that_contain_all_finite_pressures(self, drawn):
+        solution, figure = drawn
+        bottom = figure.axes[len(figure.axes) // 2]
+        factor = 1.0 / prefix_factor(UNIT.search(bottom.get_ylabel())[1])
+        low, high = bottom.get_ylim()
+        pressure = solution.pressure(np.linspace(*plotting.window(solution), 5001))
+        if np.isfinite(solution.max_pressure):
+            assert high >= solution.max_pressure * factor
+        if np.isfinite(solution.pressure(solution.zones)).all():
+            assert low <= pressure.min() * factor
+
+    def test_has_heights_within_the_panel(self, drawn):
+        _, figure = drawn
+        for top in np.split(np.array(figure.axes), 2)[0]:
+            low, high = top.get_ylim()
+            surface = lines(top)["contact"][:, 1]
+            surface = surface[np.isfinite(surface)]
+            assert low < surface.min() and surface.max() < high
+
+    def test_has_its_legend_outside_the_panels(self, drawn):
+        _, figure = drawn
+        assert len(figure.legends) == 1 and not any(axes.get_legend() for axes in figure.axes)
+
+
+def prefix_factor(letter: str) -> float:
+    """The number that an SI prefix stands for."""
+    return {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}[
+        letter
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [("cohesive", "cohesive tension"), ("sliding", "shear"), ("plastic", "plateau")],
+)
+def test_what_a_law_adds_to_the_pressure_is_drawn_and_named(name, shown):
+    solution = contact.solve(scenes()[name], tol=1e-6)
+    figure = plotting.plot(solution)
+    assert shown in [text.get_text() for text in figure.legends[0].get_texts()]
+    assert shown not in [text.get_text() for text in plotting.plot(westergaard()).legends[0].texts]
+
+
+@pytest.mark.parametrize(("low", "high"), [(2.0, 30.0), (1e-2, 1e3), (1e-9, 1e-6), (4e4, 6e4)])
+def test_logarithmic_axes_have_plain_numbers_or_powers_of_ten(low, high):
+    axes = drawing.new_figure(4.0, 3.0).subplots()
+    axes.set(yscale="log", ylim=(low, high))
+    drawing.log_ticks(axes.yaxis)
+    shown = [value for value in axes.yaxis.get_majorticklocs() if low <= value <= high]
+    texts = axes.yaxis.get_major_formatter().format_ticks(shown)
+    assert len(shown) >= 1
+    for value, text in zip(shown, texts, strict=True):
+        said = text.strip("$").replace(r"\times ", "e").replace("10^{", "e").strip("}")
+        number = float(said.replace("ee", "e")) if "e" not in said[:1] else float("1" + said)
+        assert number == pytest.approx(value, rel=1e-12)
+        assert "times" not in text or not 1e-3 <= value < 1e4
+    assert not any(axes.yaxis.get_minor_formatter().format_ticks([low, high]))
+
+
+def test_positions_far_from_zero_count_from_a_place_that_the_label_names():
+    whole, close = drawing.stretches((0.0, 1.5e-3), (1.30875e-3 - 2e-7, 1.30875e-3 + 2e-7))
+    assert whole.label == "$x$ [µm]" and whole.limits == pytest.approx((0.0, 1500.0))
+    assert close.label == "$x$ \N{MINUS SIGN} 1308.75 µm [µm]"
+    assert close.limits == pytest.approx((-0.2, 0.2))
 
 
 def test_neither_pyplot_nor_a_setting_is_touched():

@@ -48,7 +48,7 @@ def test_without_matplotlib_a_notebook_shows_the_numbers_and_what_to_install(mon
     def missing(name):
         raise MissingExtra(f"{name} is needed: pip install 'sie-contact[plot]'")
 
-    monkeypatch.setattr("contact.solution.plotting.require", missing)
+    monkeypatch.setattr("contact.solution.drawing.require", missing)
     page = contact.solve(WAVE)._repr_html_()
     assert "largest pressure" in page and "sie-contact[plot]" in page and "<img" not in page
 

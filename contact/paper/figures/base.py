@@ -11,7 +11,7 @@ from contact.errors import OutOfRange
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.profiles import Profile
 from contact.model.scene import Scene
-from contact.solution.plotting import finish, new_figure
+from contact.solution.drawing import finish, new_figure
 from contact.solution.sampling import positions
 from contact.solution.solution import Solution
 from contact.solver import solve
