@@ -129,11 +129,17 @@ SHORT: dict[str, Callable[[Cells], Cells]] = {
     "ablation": losses,
     "curves": columns("curve", "loads", "time", "largest stated error"),
     "hierarchy": columns("scene", "m=0", "m=1", "m=4", "m=16", "first order"),
+    "kinds-20000": columns("kind", "zones", "time [s]", "stated error"),
     "many-intervals": largest,
+    "measured-trace": columns(
+        "part of the full load", "zones", "contact fraction", "time [s]", "stated error"
+    ),
     "peers": hardest_reached,
     "peers-mean": faster_elsewhere,
     "precision": columns("scene", "time, tol 1e-04", "time, tol 1e-12", "true error#2", "stated#2"),
+    "sampling": columns("points", "time [s]", "stated error"),
     "scaling": columns("series", "zones", "nodes", "time", "time grows as"),
+    "self-affine": columns("kmax", "zones", "time [s]", "peak memory [GB]", "stated error"),
     "stability": columns("scenes", "outcome", "condition", "its origin", "error"),
     "stability-exceptions": columns("scene", "outcome"),
 }
