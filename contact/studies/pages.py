@@ -48,6 +48,8 @@ def shown(name: str, text: str) -> str:
     if name not in shortened.SHORT:
         return text
     cells = shortened.SHORT[name](shortened.parsed(text))
+    if not cells.columns:
+        return shortened.markdown(cells)
     first, *rest = cells.remarks or [""]
     link = f"[Full table](tables/{name}.csv). {first}".rstrip()
     return shortened.markdown(cells._replace(remarks=[link, *rest]))
@@ -58,9 +60,11 @@ def fill(folder: Path, docs: Path = DOCS) -> None:
     for name in PAGES:
         page = docs / name
         page.write_text(filled(page.read_text(encoding="utf-8"), folder), encoding="utf-8")
-    for name in shortened.SHORT:
+    for name, short in shortened.SHORT.items():
         if (folder / f"{name}.md").exists():
             cells = shortened.parsed((folder / f"{name}.md").read_text(encoding="utf-8"))
+            if not short(cells).columns:
+                continue  # a line of text, which says all that the table has
             (docs / "tables").mkdir(exist_ok=True)
             (docs / "tables" / f"{name}.csv").write_text(shortened.as_csv(cells), encoding="utf-8")
     for figure in folder.glob("*.png"):

@@ -7,6 +7,7 @@ reader needs; `contact.studies.pages` keeps the whole table as a CSV file beside
 from __future__ import annotations
 
 import csv
+import functools
 import io
 import math
 import re
@@ -39,7 +40,9 @@ def _cells(line: str) -> Row:
 
 
 def markdown(cells: Cells) -> str:
-    """Write a table in Markdown, with its remarks below."""
+    """Write a table in Markdown, with its remarks below; without columns, only the remarks."""
+    if not cells.columns:
+        return "\n".join(cells.remarks) + "\n"
     lines = ["|" + "---|" * len(cells.columns)]
     for row in (cells.columns, *cells.rows):
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |")
@@ -71,6 +74,35 @@ def picked(cells: Cells, indices: Sequence[int]) -> Cells:
     """Return the table with the columns of these indices."""
     rows = [tuple(row[k] for k in indices) for row in cells.rows]
     return cells._replace(columns=tuple(cells.columns[k] for k in indices), rows=rows)
+
+
+def in_turn(*steps: Callable[[Cells], Cells]) -> Callable[[Cells], Cells]:
+    """Return a short form that applies several short forms, the first one first."""
+    return lambda cells: functools.reduce(lambda found, step: step(found), steps, cells)
+
+
+def least_and_largest(cells: Cells) -> Cells:
+    """Short form of errors: the rows with the smallest and the largest error in the second column."""
+    ordered = sorted(cells.rows, key=lambda row: float(row[1]))
+    return cells._replace(rows=[ordered[0], ordered[-1]] if len(ordered) > 1 else ordered)
+
+
+def slow_scenes(cells: Cells) -> Cells:
+    """Short form of times: of the scenes that take less than a millisecond, only the slowest."""
+    times = [_seconds(row[1]) for row in cells.rows]
+    fast = [index for index, time in enumerate(times) if time < 1e-3]
+    slowest = max(fast, key=times.__getitem__, default=-1)
+    rows = [row for index, row in enumerate(cells.rows) if index == slowest or index not in fast]
+    if len(fast) > 1:
+        place = next(k for k, row in enumerate(rows) if row == cells.rows[slowest])
+        rows[place] = (f"slowest of {len(fast)} below 1 ms: {rows[place][0]}", *rows[place][1:])
+    return cells._replace(rows=rows)
+
+
+def sentence(cells: Cells) -> Cells:
+    """Short form of a table of names and values: one line of text."""
+    line = "Measured with " + ", ".join(" ".join(row) for row in cells.rows) + "."
+    return Cells((), [], [" ".join([line, *cells.remarks])])
 
 
 def hardest_reached(cells: Cells) -> Cells:
@@ -128,7 +160,10 @@ def largest(cells: Cells) -> Cells:
 SHORT: dict[str, Callable[[Cells], Cells]] = {
     "ablation": losses,
     "curves": columns("curve", "loads", "time", "largest stated error"),
-    "hierarchy": columns("scene", "m=0", "m=1", "m=4", "m=16", "first order"),
+    "hierarchy": in_turn(
+        least_and_largest, columns("scene", "m=0", "m=1", "m=4", "m=16", "first order")
+    ),
+    "machine": sentence,
     "kinds-20000": columns("kind", "zones", "time [s]", "stated error"),
     "many-intervals": largest,
     "measured-trace": columns(
@@ -136,7 +171,10 @@ SHORT: dict[str, Callable[[Cells], Cells]] = {
     ),
     "peers": hardest_reached,
     "peers-mean": faster_elsewhere,
-    "precision": columns("scene", "time, tol 1e-04", "time, tol 1e-12", "true error#2", "stated#2"),
+    "precision": in_turn(
+        columns("scene", "time, tol 1e-04", "time, tol 1e-12", "true error#2", "stated#2"),
+        slow_scenes,
+    ),
     "sampling": columns("points", "time [s]", "stated error"),
     "scaling": columns("series", "zones", "nodes", "time", "time grows as"),
     "self-affine": columns("kmax", "zones", "time [s]", "peak memory [GB]", "stated error"),

@@ -394,8 +394,8 @@ class TestTables:
 
 class TestPages:
     def test_a_table_takes_its_place_and_the_rest_of_the_page_stays(self, tmp_path):
-        (tmp_path / "machine.md").write_text("| new |\n", encoding="utf-8")
-        page = "before\n<!-- measured: machine -->\nold\n<!-- end -->\n<!-- measured: peers -->\nkept\n<!-- end -->\nafter"
+        (tmp_path / "stated.md").write_text("| new |\n", encoding="utf-8")
+        page = "before\n<!-- measured: stated -->\nold\n<!-- end -->\n<!-- measured: peers -->\nkept\n<!-- end -->\nafter"
         filled = pages.filled(page, tmp_path)
         assert "| new |" in filled and "old" not in filled and "kept" in filled
         assert filled.startswith("before\n") and filled.endswith("\nafter")
@@ -443,6 +443,17 @@ class TestPages:
         short = shortened.faster_elsewhere(shortened.Cells(heads, rows, []))
         assert short.rows == [("one", "2 ms", "90 µs")]
 
+    def test_of_the_fast_scenes_the_slowest_is_shown(self):
+        rows = [("a", "90 µs"), ("b", "2 ms"), ("c", "95 µs"), ("d", "3 s")]
+        short = shortened.slow_scenes(shortened.Cells(("scene", "time"), rows, []))
+        assert short.rows == [("b", "2 ms"), ("slowest of 2 below 1 ms: c", "95 µs"), ("d", "3 s")]
+
+    def test_the_machine_is_one_line(self, tmp_path):
+        table = report.Table("machine", "", ("what", ""), [("threads", "1"), ("numpy", "2.4")])
+        text = report.markdown(table) + "\nMade at commit 1.\n"
+        line = "Measured with threads 1, numpy 2.4. Made at commit 1.\n"
+        assert pages.shown("machine", text) == line
+
     def test_lost_and_changed_scenes_of_the_ablation_are_added(self):
         rows = [("it", "1", "2", "1.10", "1.20", "124 of 127", "1.30")]
         short = shortened.losses(shortened.Cells(ablation.COLUMNS, rows, []))
@@ -474,7 +485,8 @@ class TestPages:
         for name in pages.PAGES:
             for found in pages.PLACE.finditer((ROOT / "docs" / name).read_text(encoding="utf-8")):
                 named.add(found[2])
-                assert found[0].count("\n| ") > 3, f"{found[2]} in {name} is empty"
+                filled = found[0].count("\n| ") > 2 or "\nMeasured with " in found[0]
+                assert filled, f"{found[2]} in {name} is empty"
         assert named == made
 
 
