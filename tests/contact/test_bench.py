@@ -472,7 +472,6 @@ class TestPages:
             "scaling",
             "machine",
             "stability",
-            "stability-exceptions",
             "curves",
             "imports",
             "self-affine",
