@@ -69,9 +69,10 @@ class Stretch:
         """Label of the axis, such as `$x$ [µm]` or `$x$ - 1308.74 µm [µm]`."""
         if self.origin == 0.0:
             return f"$x$ [{self.unit}]"
-        digits = 2 + math.ceil(math.log10(abs(self.origin) / (0.5 * (self.hi - self.lo))))
+        # The place is given to a tenth of the interval or more closely.
+        decimals = 1 - math.floor(math.log10(self.factor * (self.hi - self.lo)))
         sign = "\N{MINUS SIGN}" if self.origin > 0 else "+"
-        place = f"{abs(self.origin) * self.factor:.{max(digits, FIGURE.max_digits)}g}"
+        place = f"{abs(self.origin) * self.factor:.{max(decimals, 0)}f}"
         return f"$x$ {sign} {place} {self.unit} [{self.unit}]"
 
 
@@ -100,21 +101,21 @@ def unit_of(values: Array, unit: str, log: bool = False) -> tuple[float, str]:
 
 
 def log_ticks(axis: Any) -> None:
-    """Ticks of a logarithmic axis: plain numbers where they are short, powers of ten elsewhere.
+    """Ticks of a logarithmic axis: plain numbers, or powers of ten if some would be long.
 
     The limits of the axis must be set before.
     """
     ticker = require("matplotlib.ticker")
     low, high = sorted(axis.get_view_interval())
+    plain = low >= 1e-4 and high < 1e6
     if high < 100.0 * low:
         axis.set_major_locator(ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: _power(value)))
+    text = "{:g}".format if plain else _power
+    axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: text(value)))
     axis.set_minor_formatter(ticker.NullFormatter())
 
 
 def _power(value: float) -> str:
-    if 1e-3 <= value < 1e4:
-        return f"{value:g}"
     mantissa, exponent = f"{value:e}".split("e")
     times = "" if float(mantissa) == 1.0 else rf"{float(mantissa):g}\times "
     return rf"${times}10^{{{int(exponent)}}}$"
@@ -129,6 +130,14 @@ def outlined(width: float) -> list[Any]:
     """Path effects that put a black edge around a white line, so that it is seen on any shade."""
     effects = require("matplotlib.patheffects")
     return [effects.Stroke(linewidth=width + 1.4, foreground="black"), effects.Normal()]
+
+
+def ramp(count: int) -> list[str]:
+    """Colours from light to dark, in order: blue to black, so that they stay apart in grey."""
+    shades = np.linspace(0.85, 0.15, count) if count > 1 else np.array([0.5])
+    # A colour-blind reader and a printer see the same order: the lightness falls evenly.
+    colours = require("matplotlib").colormaps["cividis"](shades)
+    return [require("matplotlib.colors").to_hex(colour) for colour in colours]
 
 
 def new_figure(width: float, height: float) -> Any:

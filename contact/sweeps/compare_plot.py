@@ -8,51 +8,78 @@ from typing import Any
 
 import numpy as np
 
-from contact.model.units import scaled
-from contact.solution.drawing import FIGURE, new_figure
+from contact.model.units import quantity, scaled
+from contact.solution.drawing import (
+    BODY,
+    FIGURE,
+    PRESSURE,
+    SURFACE,
+    Stretch,
+    inner_ticks,
+    legend_outside,
+    log_ticks,
+    new_figure,
+    ramp,
+    stretches,
+)
 from contact.solution.sampling import POINTS, peak_position, positions, top_pressure, window
 from contact.solution.solution import Solution
-from contact.sweeps.compare import Attempt, difference, ends_apart, pressure_apart, refusals
-
-_COLOURS = (
-    "#9a9a9a",
-    "#d98e04",
-    "#b3261e",
-    "#7a3b8f",
-    "#5a56b0",
-    "#2f7fb5",
-    "#1d9a8a",
-    "#3d7a4a",
-    "#111111",
+from contact.sweeps.compare import (
+    NEIGHBOURS,
+    Attempt,
+    difference,
+    ends_apart,
+    pressure_apart,
+    refusals,
 )
+
+Styles = dict[str, dict[str, Any]]
+
+
+def styles_of(names: list[str]) -> Styles:
+    """Colour and dashes of the line of each model, the exact one last.
+
+    More neighbours have a darker line. The other models differ in dashes, too.
+    """
+    known: Styles = {
+        "isolated": {"color": BODY, "linestyle": ":"},
+        "first-order": {"color": "#d98e04", "linestyle": "--"},
+        "self-consistent": {"color": PRESSURE, "linestyle": "-."},
+        names[-1]: {"color": "black", "linestyle": "-"},
+    }
+    known |= {
+        f"m = {m}": {"color": colour, "linestyle": "-"}
+        for m, colour in zip(NEIGHBOURS, ramp(len(NEIGHBOURS)), strict=True)
+    }
+    other = {"color": "#8a2f7a", "linestyle": (0, (6, 1, 1, 1, 1, 1))}
+    return {name: known.get(name, other) for name in names}
 
 
 def plot_comparison(attempts: list[Attempt]) -> Any:
     """A matplotlib figure: exact pressure, deviations from the exact pressure, errors, times."""
     figure = new_figure(8.4, 9.0)
-    panels = [["p", "p"], ["d", "d"], ["e", "t"]]
+    layout = [["p", "p"], ["d", "d"], ["e", "t"]]
     top, apart, errors, times = figure.subplot_mosaic(
-        panels, width_ratios=[1.8, 1.0], height_ratios=[0.7, 1.2, 1.2]
+        layout, width_ratios=[1.5, 1.0], height_ratios=[0.7, 1.2, 1.2]
     ).values()
-    colours = dict(zip((a.name for a in attempts[:-1]), _COLOURS, strict=False)) | {
-        attempts[-1].name: _COLOURS[-1]
-    }
+    styles = styles_of([attempt.name for attempt in attempts])
+    solved = {a.name: a.solution for a in attempts if a.solution is not None}
     exact = attempts[-1].solution
     if exact is None:
         # Without an exact solution, the pressures of the models themselves are drawn.
-        _draw_pressures(
-            top, {a.name: a.solution for a in attempts if a.solution is not None}, colours
-        )
+        _draw_pressures(top, solved, styles)
         for axes in (apart, errors):
             axes.set_axis_off()
-            axes.text(
-                0.5, 0.5, "no exact solution to differ from", ha="center", transform=axes.transAxes
-            )
+            text = "no exact solution to differ from"
+            axes.text(0.5, 0.5, text, ha="center", transform=axes.transAxes)
     else:
-        _draw_pressures(top, {attempts[-1].name: exact}, colours)
-        _draw_differences(apart, attempts[:-1], exact, colours)
+        _draw_pressures(top, {attempts[-1].name: exact}, styles)
+        _draw_differences(apart, attempts[:-1], exact, styles)
         _draw_errors(errors, attempts)
-    _draw_times(times, attempts, colours)
+    _draw_times(times, attempts, styles)
+    for axes in (top, apart, errors, times):
+        inner_ticks(axes)
+    legend_outside(figure, (top, apart))
     missing = refusals(attempts)
     if missing:
         figure.supxlabel(
@@ -62,29 +89,25 @@ def plot_comparison(attempts: list[Attempt]) -> Any:
     return figure
 
 
-def _draw_pressures(axes: Any, solved: dict[str, Solution], colours: dict[str, str]) -> None:
+def _draw_pressures(axes: Any, solved: dict[str, Solution], styles: Styles) -> None:
     if not solved:
         axes.set_axis_off()
         return
-    lo, hi = _stretch(next(reversed(solved.values())))
-    along = _scale_positions(axes, lo, hi)
+    column = _stretch(next(reversed(solved.values())))
     highest = max(map(top_pressure, solved.values()))
     up, unit = scaled(highest, "Pa")
     for name, solution in solved.items():
-        x = positions(solution, lo, hi, POINTS.screen_points)
+        x = positions(solution, column.lo, column.hi, POINTS.screen_points)
         p = np.minimum(solution.pressure(x), 2.0 * highest)
-        axes.plot(x * along, p * up, label=name, color=colours[name], linewidth=1.4)
-    axes.set_ylim(0.0, 1.08 * highest * up)
-    axes.set_ylabel(f"pressure [{unit}]")
-    _name_lines(axes)
+        axes.plot(column.along(x), p * up, label=name, linewidth=1.4, **styles[name])
+    axes.set(xlim=column.limits, ylim=(0.0, 1.08 * highest * up), ylabel=f"pressure [{unit}]")
+    axes.tick_params(labelbottom=False)
 
 
-def _draw_differences(
-    axes: Any, attempts: list[Attempt], exact: Solution, colours: dict[str, str]
-) -> None:
+def _draw_differences(axes: Any, attempts: list[Attempt], exact: Solution, styles: Styles) -> None:
     """Draw the pressure error relative to the exact peak, at sample points of both solutions."""
-    lo, hi = _stretch(exact)
-    along, scale = _scale_positions(axes, lo, hi), top_pressure(exact)
+    column, scale = _stretch(exact), top_pressure(exact)
+    lo, hi = column.lo, column.hi
     for attempt in attempts:
         if attempt.solution is None:
             continue
@@ -98,40 +121,29 @@ def _draw_differences(
         least = max(attempt.solution.error, exact.error)
         shown = np.where(np.isfinite(apart) & (apart > least), apart, np.nan)
         if np.isfinite(shown).any():
-            axes.plot(
-                x * along, shown, label=attempt.name, color=colours[attempt.name], linewidth=1.1
-            )
-    axes.set_yscale("log")
-    axes.set_ylabel("|pressure - exact| / peak")
+            line = {"linewidth": 1.2, **styles[attempt.name]}
+            axes.plot(column.along(x), shown, label=attempt.name, **line)
+    axes.set(yscale="log", xlim=column.limits, xlabel=column.label)
+    axes.set_ylabel("|pressure \N{MINUS SIGN} exact| / peak")
+    log_ticks(axes.yaxis)
     axes.grid(axis="y", alpha=0.3)
-    _name_lines(axes)
 
 
-def _draw_times(axes: Any, attempts: list[Attempt], colours: dict[str, str]) -> None:
+def _draw_times(axes: Any, attempts: list[Attempt], styles: Styles) -> None:
+    factor, unit = scaled(max(attempt.seconds for attempt in attempts), "s")
     bars = axes.barh(
         [a.name for a in attempts],
-        [1e3 * a.seconds for a in attempts],
-        color=[colours[a.name] for a in attempts],
+        [factor * a.seconds for a in attempts],
+        color=[styles[a.name]["color"] for a in attempts],
     )
-    axes.bar_label(bars, fmt="%.3g", fontsize=8, padding=2)
-    axes.margins(x=0.28)
+    labels = [quantity(a.seconds, "s", 3) for a in attempts]
+    axes.bar_label(bars, labels, fontsize=8, padding=2)
+    axes.margins(x=0.35)
     axes.invert_yaxis()
-    axes.set_xlabel("time [ms]")
+    axes.set_xlabel(f"time [{unit}]")
 
 
-def _scale_positions(axes: Any, lo: float, hi: float) -> float:
-    along, unit = scaled(max(abs(lo), abs(hi)), "m")
-    axes.set_xlim(lo * along, hi * along)
-    axes.set_xlabel(f"$x$ [{unit}]")
-    return along
-
-
-def _name_lines(axes: Any) -> None:
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
-
-
-def _stretch(solution: Solution) -> tuple[float, float]:
+def _stretch(solution: Solution) -> Stretch:
     """The interval to draw.
 
     It is `window`, or the surroundings of the pressure peak if no zone would be visible in
@@ -140,31 +152,35 @@ def _stretch(solution: Solution) -> tuple[float, float]:
     lo, hi = window(solution)
     visible = FIGURE.min_visible * (hi - lo)
     if len(solution.zones) == 0 or np.max(solution.zone_widths) >= visible:
-        return lo, hi
+        return stretches((lo, hi))[0]
     x = positions(solution, lo, hi, POINTS.screen_points)
     centre = peak_position(solution, x, solution.pressure(x))
     own = float(solution.zone_widths[np.argmin(np.abs(solution.zones.mean(axis=1) - centre))])
-    return max(lo, centre - own), min(hi, centre + own)
+    return stretches((max(lo, centre - own), min(hi, centre + own)))[0]
 
 
 def _draw_errors(axes: Any, attempts: list[Attempt]) -> None:
     exact, names = attempts[-1], [a.name for a in attempts[:-1]]
     lines = {
         "load": [difference(a, exact, "load") for a in attempts[:-1]],
-        "peak pressure": [difference(a, exact, "max_pressure") for a in attempts[:-1]],
+        "largest pressure": [difference(a, exact, "max_pressure") for a in attempts[:-1]],
         "zone ends": [ends_apart(a, exact) for a in attempts[:-1]],
         "pressure": [pressure_apart(a, exact) for a in attempts[:-1]],
     }
-    for (label, values), marker in zip(lines.items(), "osd^", strict=True):
-        # Zeros are left out, because the axis is logarithmic.
-        shown = [np.nan if not v else abs(v) for v in values]
+    # Values smaller than the stated errors of the solutions are not drawn.
+    least = max(a.solution.error for a in attempts if a.solution is not None)
+    colours = ("black", PRESSURE, "#d98e04", SURFACE)
+    for (label, values), marker, colour in zip(lines.items(), "osd^", colours, strict=True):
+        shown = [np.nan if value is None else abs(value) for value in values]
+        shown = [value if value > least else np.nan for value in shown]
         if np.isfinite(shown).any():
-            axes.plot(
-                range(len(names)), shown, marker=marker, label=label, linewidth=1.0, markersize=5
-            )
+            style = {"color": colour, "marker": marker, "linewidth": 1.0, "markersize": 6}
+            axes.plot(range(len(names)), shown, label=label, markerfacecolor="none", **style)
     axes.set_yscale("log")
     axes.set_xticks(range(len(names)), names, rotation=35, ha="right", fontsize=8)
     axes.set_ylabel("|error| against exact")
+    log_ticks(axes.yaxis)
     axes.grid(axis="y", alpha=0.3)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, fontsize=8)
+        above = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "ncols": 2}
+        axes.legend(frameon=False, fontsize=8, **above)

@@ -2,7 +2,7 @@
 
 Without adhesion: contact and approach over the load. Contact is the contact fraction, or the width
 in contact without a period. Events are vertical lines and marks on the curve. A falling load is
-drawn dashed, since its curve lies on that of the rising load.
+drawn dashed and red, since its curve lies on that of the rising load.
 
 With adhesion: load over approach, with dotted jumps, and the surfaces just before pull-off (at the
 last value if there is no pull-off). Without an approach, the abscissa is the contact.
@@ -14,7 +14,18 @@ from typing import Any
 import numpy as np
 
 from contact.model.units import scaled
-from contact.solution.drawing import finish, panels
+from contact.solution.drawing import (
+    BODY,
+    CLOSE,
+    FIGURE,
+    PRESSURE,
+    SURFACE,
+    finish,
+    legend_outside,
+    log_ticks,
+    panels,
+    unit_of,
+)
 from contact.solution.sampling import on_zones
 from contact.solution.solution import Solution
 from contact.sweeps.path_table import Passed, columns
@@ -22,15 +33,17 @@ from sie import Array, Mask
 
 _FRACTION = "contact fraction"
 
-_CURVE = "#1f5a92"
-_EVENT = "#555555"
 # Colour and mark of each kind of event; an unknown kind is drawn as a circle.
 _MARKS = {
-    "birth": ("#3d7a4a", "^"),
-    "death": ("#3d7a4a", "v"),
-    "merge": ("#b3261e", "D"),
-    "split": ("#b3261e", "s"),
-    "full": ("#111111", "*"),
+    "birth": (CLOSE, "^"),
+    "death": (CLOSE, "v"),
+    "merge": (PRESSURE, "D"),
+    "split": (PRESSURE, "s"),
+    "full": ("black", "*"),
+}
+_LINES: dict[bool, dict[str, Any]] = {
+    True: {"color": SURFACE, "linestyle": "-", "linewidth": 1.5},
+    False: {"color": PRESSURE, "linestyle": (0, (5, 2)), "linewidth": 1.2},
 }
 
 
@@ -50,49 +63,72 @@ def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> 
         curves.append(("approach", table["approach"], "m"))
     figure, given = panels(ax, len(curves))
     for panel, (label, values, unit) in zip(given, curves, strict=False):
-        _draw(panel, table["load"], passed, label, values, unit)
+        _draw(panel, table["load"], passed, (label, values, unit))
+        name, of = panel.get_xlabel(), panel.get_ylabel()
+        finish(panel, name, of, legend=ax is not None)
+    if ax is None:
+        legend_outside(figure, given)
     return figure
 
 
-def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, unit: str) -> None:
-    along, load_unit = scaled(float(np.abs(loads).max()), "N/m")
-    up, value_unit = scaled(float(np.abs(values).max()), unit) if unit else (1.0, "")
-    if _is_geometric(loads):
-        axes.set_xscale("log")
-        if np.all(values > 0):
-            axes.set_yscale("log")
+def _draw(axes: Any, loads: Array, passed: Passed, curve: tuple[str, Array, str]) -> None:
+    """Draw a curve, given by the label, values and unit of its ordinate."""
+    label, values, unit = curve
+    log = _is_geometric(loads)
+    log_up = log and bool(np.all(values > 0))
+    along, load_unit = unit_of(loads, "N/m", log)
+    up, value_unit = unit_of(values, unit, log_up) if unit else (1.0, "")
+    axes.set(xscale="log" if log else "linear", yscale="log" if log_up else "linear")
     x, y = _vertices(loads, values, passed, {"full": 1.0} if label == _FRACTION else {})
     for start, end, rising in _runs(x):
-        axes.plot(
-            x[start:end] * along,
-            y[start:end] * up,
-            color=_CURVE,
-            linewidth=1.4,
-            linestyle="-" if rising else (0, (4, 2)),
-            label="load rising" if rising else "load falling",
-        )
-    events = [(event, k) for k, since in enumerate(passed) for event in since]
-    for event, k in events:
-        colour, mark = _MARKS.get(event.kind, (_EVENT, "o"))
-        axes.axvline(event.load * along, color=colour, linewidth=0.6, alpha=0.45, zorder=0)
-        # Marks under a falling load are hollow, so that marks under the rising load stay visible.
-        face = colour if loads[k] >= loads[k - 1] else "none"
-        style = {
-            "linestyle": "none",
-            "marker": mark,
-            "color": colour,
-            "markerfacecolor": face,
-            "markersize": 6 if face == colour else 10,
-        }
-        step = (x >= min(loads[k - 1], loads[k])) & (x <= max(loads[k - 1], loads[k]))
-        axes.plot(
-            event.load * along,
-            _on_line(axes, event.load, x[step], y[step]) * up,
-            label=event.kind,
-            **style,
-        )
+        name = "load rising" if rising else "load falling"
+        axes.plot(x[start:end] * along, y[start:end] * up, label=name, **_LINES[rising])
+    _draw_events(axes, loads, passed, (x, y), (along, up))
     axes.grid(alpha=0.25)
-    finish(axes, f"load [{load_unit}]", f"{label} [{value_unit}]" if unit else label)
+    axes.set_xlabel(f"load [{load_unit}]")
+    axes.set_ylabel(f"{label} [{value_unit}]" if unit else label)
+    for axis, is_log in ((axes.xaxis, log), (axes.yaxis, log_up)):
+        if is_log:
+            log_ticks(axis)
+
+
+def _draw_events(
+    axes: Any,
+    loads: Array,
+    passed: Passed,
+    curve: tuple[Array, Array],
+    factors: tuple[float, float],
+) -> None:
+    """Draw a mark on the curve for each event, and a line over it or, for many, a tick below it.
+
+    Marks under a falling load are larger and hollow, so that marks under the rising load stay
+    visible. The more events, the smaller the marks.
+    """
+    (x, y), (along, up) = curve, factors
+    places: dict[tuple[str, bool], list[tuple[float, float]]] = {}
+    for k, since in enumerate(passed):
+        for event in since:
+            low, high = sorted((loads[k - 1], loads[k]))
+            step = (x >= low) & (x <= high)
+            place = event.load * along, _on_line(axes, event.load, x[step], y[step]) * up
+            places.setdefault((event.kind, bool(loads[k] >= loads[k - 1])), []).append(place)
+    count = sum(map(len, places.values()))
+    height = 0.03 if count > FIGURE.max_zones else 1.0
+    for (kind, rising), marked in places.items():
+        colour, mark = _MARKS.get(kind, (BODY, "o"))
+        part = min(1.0, np.sqrt(FIGURE.max_zones / len(marked)))
+        axes.plot(
+            *np.transpose(marked),
+            linestyle="none",
+            marker=mark,
+            color=colour,
+            markerfacecolor=colour if rising else "none",
+            markersize=max(6.0 * part, 3.0) if rising else max(10.0 * part, 5.5),
+            markeredgewidth=0.9,
+            label=kind if len(marked) == 1 else f"{kind} ({len(marked)})",
+        )
+        for load, _ in marked:
+            axes.axvline(load, ymax=height, color=colour, linewidth=0.6, alpha=0.6, zorder=0)
 
 
 def _is_geometric(loads: Array) -> bool:
@@ -136,10 +172,6 @@ def _runs(loads: Array) -> list[tuple[int, int, bool]]:
     return runs or [(0, 1, True)]
 
 
-_UP = "#1f5a92"
-_DOWN = "#b3261e"
-_BODY = "#7a7a7a"
-_CONTACT = "#b3261e"
 _JUMP_MARKS = {
     "jump-in": ">",
     "birth": "^",
@@ -167,20 +199,15 @@ def draw_curve(
     far = np.nanmax(np.abs([*across, *(a for _, *both in jumps for a in both[::2]), 0.0]))
     high = np.nanmax(np.abs([*load, *(p for _, *both in jumps for p in both[1::2]), 0.0]))
     (x, along), (y, unit) = scaled(float(far), "m"), scaled(float(high), "N/m")
-    for rising, colour, style, name in (
-        (True, _UP, "-", "rising"),
-        (False, _DOWN, (0, (5, 2)), "falling"),
-    ):
+    for rising, name in ((True, "rising"), (False, "falling")):
         # A point at which the direction changes belongs to the rising curve and to the falling
         # curve.
         mine = (rises == rising) | (np.append(rises[1:], rises[-1]) == rising)
         axes.plot(
             np.where(mine, across, np.nan) * x,
             np.where(mine, load, np.nan) * y,
-            color=colour,
-            linestyle=style,
-            linewidth=1.5,
             label=name,
+            **_LINES[rising],
         )
     for kind, before, load_before, after, load_after in jumps:
         axes.plot(
@@ -199,7 +226,7 @@ def draw_curve(
             linestyle="none",
             label=kind,
         )
-    axes.axhline(0.0, color=_BODY, linewidth=0.6, zorder=0)
+    axes.axhline(0.0, color=BODY, linewidth=0.6, zorder=0)
     finish(axes, f"{label} [{along}]", f"load [{unit}]")
 
 
@@ -212,12 +239,12 @@ def draw_surfaces(
     size = float(np.abs(heights[np.isfinite(heights)]).max(initial=0.0))
     up, unit_up = scaled(size, "m")
     x = places * along
-    axes.plot(x, body * up, color=_BODY, linewidth=1.2, label="profile")
-    axes.plot(x, surface * up, color=_UP, linewidth=1.4, label="deformed surface")
+    axes.plot(x, body * up, color=BODY, linewidth=1.2, label="profile")
+    axes.plot(x, surface * up, color=SURFACE, linewidth=1.4, label="deformed surface")
     axes.plot(
         x,
         np.where(on_zones(places, zones), surface, np.nan) * up,
-        color=_CONTACT,
+        color=PRESSURE,
         linewidth=2.6,
         label="contact",
     )

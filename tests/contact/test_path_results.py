@@ -15,6 +15,8 @@ from click.testing import CliRunner
 
 import contact
 from contact.commands import cli
+from contact.sweeps.path_plot import plot_path
+from contact.sweeps.path_table import Event
 from contact.sweeps.points import NUMBERS, numbers
 
 PAIR = contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, contact.Isolated(), load=1.0)
@@ -113,6 +115,27 @@ def test_the_figure_has_contact_and_approach_and_a_line_for_each_event():
     assert rising.get_ydata() == pytest.approx([*fractions[:2], 1.0, fractions[2]])
     assert rising.get_xdata()[2] == pytest.approx(full, rel=1e-9)
     assert len(loop("pair").plot().axes) == 1
+
+
+def test_marks_of_many_events_are_small_and_counted_and_hide_no_other():
+    pytest.importorskip("matplotlib")
+    kinds, back = 9 * ["birth", "merge"], {"birth": "death", "merge": "split"}
+    none = np.zeros((0, 2))
+    up = [Event(kinds[k], 2e-3 + 5e-4 * k, 0.0, none, none) for k in range(len(kinds))]
+    down = [Event(back[e.kind], e.load, 0.0, none, none) for e in reversed(up)]
+    figure = plot_path(contact.solve_many(WAVE, [1e-3, 2e-2, 1e-3], "load"), ((), up, down))
+    kinds += [event.kind for event in down]
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert {f"{kind} ({kinds.count(kind)})" for kind in set(kinds)} < set(names)
+    for axes in figure.axes:
+        marks = {
+            line.get_label().split()[0]: line for line in axes.lines if line.get_marker() != "None"
+        }
+        for over, under in (("split", "merge"), ("death", "birth")):
+            assert marks[over].get_markerfacecolor() == "none"
+            assert marks[over].get_markersize() > marks[under].get_markersize()
+        ticks = [line.get_ydata()[1] for line in axes.lines if line.get_label().startswith("_")]
+        assert len(ticks) == len(kinds) and max(ticks) < 0.1
 
 
 def test_a_path_is_drawn_where_it_is_told_to():

@@ -13,10 +13,13 @@ import pytest
 
 import contact
 from contact.model.units import quantity, scaled
+from contact.sweeps.compare import NEIGHBOURS, compare
 from tests.contact.stand_in import StandIn
 
 matplotlib = pytest.importorskip("matplotlib")
+colors = pytest.importorskip("matplotlib.colors")
 plotting = pytest.importorskip("contact.solution.plotting")
+comparing = pytest.importorskip("contact.sweeps.compare_plot")
 drawing = pytest.importorskip("contact.solution.drawing")
 
 L = 1e-4
@@ -270,11 +273,12 @@ def test_logarithmic_axes_have_plain_numbers_or_powers_of_ten(low, high):
     shown = [value for value in axes.yaxis.get_majorticklocs() if low <= value <= high]
     texts = axes.yaxis.get_major_formatter().format_ticks(shown)
     assert len(shown) >= 1
+    plain = 1e-4 <= low and high < 1e6
     for value, text in zip(shown, texts, strict=True):
-        said = text.strip("$").replace(r"\times ", "e").replace("10^{", "e").strip("}")
-        number = float(said.replace("ee", "e")) if "e" not in said[:1] else float("1" + said)
+        assert text.startswith("$") != plain
+        said = text.strip("$}").replace(r"\times ", "*").replace("^{", "**")
+        number = float(text) if plain else eval(said)
         assert number == pytest.approx(value, rel=1e-12)
-        assert "times" not in text or not 1e-3 <= value < 1e4
     assert not any(axes.yaxis.get_minor_formatter().format_ticks([low, high]))
 
 
@@ -283,6 +287,50 @@ def test_positions_far_from_zero_count_from_a_place_that_the_label_names():
     assert whole.label == "$x$ [µm]" and whole.limits == pytest.approx((0.0, 1500.0))
     assert close.label == "$x$ \N{MINUS SIGN} 1308.75 µm [µm]"
     assert close.limits == pytest.approx((-0.2, 0.2))
+
+
+WAVE = contact.Scene(contact.Sinusoid(1e-6, L), 1.1e11, contact.Periodic(), mean_pressure=1e9)
+
+
+@pytest.fixture(scope="module")
+def attempts():
+    return compare(WAVE, 1e-8)
+
+
+class TestComparison:
+    def test_every_model_has_a_line_of_its_own_also_in_grey(self, attempts):
+        styles = comparing.styles_of([attempt.name for attempt in attempts])
+        looks = {(repr(one["linestyle"]), grey(one["color"])) for one in styles.values()}
+        assert len(looks) == len(styles) == len(attempts)
+        shades = [grey(styles[f"m = {m}"]["color"]) for m in NEIGHBOURS]
+        assert np.all(np.diff(shades) < -0.05)  # more neighbours are darker
+
+    def test_differences_below_the_stated_errors_are_left_out(self, attempts):
+        figure = comparing.plot_comparison(attempts)
+        errors = {attempt.name: attempt.solution.error for attempt in attempts}
+        _, apart, numbers, _ = figure.axes
+        for line in apart.get_lines():
+            least = max(errors[line.get_label()], errors["exact"])
+            assert np.nanmin(line.get_ydata()) > least
+        drawn = np.concatenate([line.get_ydata() for line in numbers.get_lines()])
+        assert np.nanmin(drawn) > max(errors.values())
+        assert figure.axes[3].get_xlabel() in ("time [ms]", "time [s]")
+
+    def test_imports_and_the_preparation_of_the_profile_are_not_timed(self, monkeypatch):
+        solved = []
+        monkeypatch.setattr(
+            "contact.sweeps.compare.solve", lambda scene, tol: solved.append(scene) or None
+        )
+        names = [attempt.name for attempt in compare(WAVE, 1e-8)]
+        before, timed = solved[: -len(names)], solved[-len(names) :]
+        assert [one.interaction for one in before[:-1]] == [one.interaction for one in timed]
+        assert before[-1] == timed[0]
+
+
+def grey(colour: str) -> float:
+    """The luminance of a colour as a printer has it."""
+    red, green, blue = colors.to_rgb(colour)
+    return 0.299 * red + 0.587 * green + 0.114 * blue
 
 
 def test_neither_pyplot_nor_a_setting_is_touched():
