@@ -57,7 +57,8 @@ with uncollected():
     from contact.solver import solve
 
 if TYPE_CHECKING:
-    from contact.derivatives.result import Derivative, Response, Sensitivity, sensitivity
+    from contact.derivatives.response import Derivative, Response
+    from contact.derivatives.result import Sensitivity, sensitivity
     from contact.design.objective import Measured, Objective
     from contact.design.optimize import Design, optimize
     from contact.explorer.explore import explore
@@ -91,7 +92,8 @@ _HOMES = {
     "contact.sweeps.sweep.run": "sweep",
     "contact.design.objective": "Measured Objective",
     "contact.design.optimize": "Design optimize",
-    "contact.derivatives.result": "Derivative Response Sensitivity sensitivity",
+    "contact.derivatives.response": "Derivative Response",
+    "contact.derivatives.result": "Sensitivity sensitivity",
     "contact.slip.history": "load_history",
     "contact.slip.partial_slip": "partial_slip",
     "contact.slip.rolling": "rolling",

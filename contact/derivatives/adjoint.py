@@ -7,6 +7,7 @@ constant:
 
     load of a zone      V W = 1 on this zone, 0 on the others
     approach            the pressure of a unit load under flat zones
+    F(z) in the body    V W = K(z - x) / pi, for the transform F of p'
     p'(x*)              V W = a unit source at x*
     intensity at an end V W = 0, with W ~ d^(-3/2) at this end
 
@@ -40,7 +41,7 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import gauss, over_period
 from contact.formulation.tolerances import TOLERANCES
-from sie import Array, record
+from sie import Array, Complex, record
 
 # Gauss nodes in a panel, which is so short that they integrate its waves to round-off.
 NODES = 16
@@ -94,7 +95,9 @@ class Functional:
 
     ends: of outward motions [m] (n, 2). loads: of loads of zones (n,). approach: of the approach of
     heights f. mean: of the mean of f. peak: place [m] and factor of the pressure there. tip: factor
-    of f at its lowest place. Zones are in the order of the fields.
+    of f at its lowest place. slope: place [m] and factor of f' there. inside: a point of the body
+    [m] and factors A, B of a number Re(A F + B F'), with the transform F of the pressure. Zones are
+    in the order of the fields.
     """
 
     ends: Array
@@ -103,6 +106,8 @@ class Functional:
     mean: float = 0.0
     peak: tuple[float, float] | None = None
     tip: float = 0.0
+    slope: tuple[float, float] | None = None
+    inside: tuple[complex, complex, complex] | None = None
 
     def plus(self, other: Functional, factor: float) -> Functional:
         """This functional plus `factor` times another one, which has no peak."""
@@ -114,6 +119,42 @@ class Functional:
             mean=self.mean + factor * other.mean,
             tip=self.tip + factor * other.tip,
         )
+
+
+@record
+class InnerPoint:
+    """The field Re(A K(z - x) + B K'(z - x)) / pi of a point z of the body at places x.
+
+    period: that of the kernel K, None for 1 / x.
+    """
+
+    z: complex
+    value: complex
+    rise: complex
+    period: float | None
+
+    def field(self, x: Array, slope: bool) -> Array:
+        """The field, or its derivative by x."""
+        first, second, third = cotangents(self.z - x, self.period)
+        found = self.value * second + self.rise * third if slope else None
+        if found is None:
+            return np.asarray((self.value * first + self.rise * second).real / np.pi)
+        return np.asarray(-found.real / np.pi)
+
+
+def cotangents(w: Any, period: float | None) -> tuple[Complex, Complex, Complex]:
+    """K, K' and K'' at w, Im w > 0: K(w) = 1 / w, or (pi/L) cot(pi w / L) with the period L."""
+    if period is None:
+        return 1 / w, -1 / w**2, 2 / w**3
+    scale = np.pi / period
+    turns = w.real / period
+    power = 2j * np.pi * (turns - np.round(turns)) - 2 * scale * w.imag
+    e, less = np.exp(power), -np.expm1(power)
+    return (
+        -1j * scale * (1 + e) / less,
+        4 * scale**2 * e / less**2,
+        8j * scale**3 * e * (1 + e) / less**3,
+    )
 
 
 @record
@@ -183,9 +224,10 @@ class _Adjoint:
                 np.append(heights, functional.mean * share),
                 np.append(slopes, np.zeros(len(more))),
             )
-        x, heights = np.append(x, tip), np.append(heights, functional.tip)
+        place, factor = functional.slope or (tip, 0.0)
+        x, slopes = np.append(x, (tip, place)), np.append(slopes, (0.0, factor))
         error = state.density_error + TOLERANCES.rounding
-        return Weights(x, heights, np.append(slopes, 0.0), error)
+        return Weights(x, np.append(heights, (functional.tip, 0.0)), slopes, error)
 
     def _at(self, x: float, factor: float) -> Source:
         """The source of the pressure [Pa] at a place x [m]."""
@@ -207,11 +249,14 @@ class _Adjoint:
         for one in self.sources:
             own[one.zone] += one.on_zone / self.zones.half[one.zone]
 
+        inner = [] if functional.inside is None else [self._inner(*functional.inside)]
+
         def value(x: Array) -> Array:
-            return self._field(x, True)
+            return self._field(x, True) + sum(one.field(x, True) for one in inner)
 
         def primitive(x: Array) -> Array:
-            return self._field(x, False) + own[self._zone_of(x)]
+            field = self._field(x, False) + own[self._zone_of(x)]
+            return np.asarray(field + sum(one.field(x, False) for one in inner))
 
         # The weight has no moment, so that a tilt changes nothing.
         moment = None if self.problem.moment is None else -sum(one.area for one in self.sources)
@@ -229,6 +274,17 @@ class _Adjoint:
                 "`of(number, to=...)`",
                 "number",
             ) from error
+
+    def _inner(self, z: complex, value: complex, rise: complex) -> InnerPoint:
+        """The field of a point of the body, in scaled units."""
+        units = self.problem.units
+        scaled = complex(float(units.scaled(np.array([z.real]))[0]), z.imag / units.length)
+        return InnerPoint(
+            scaled,
+            value * units.pressure,
+            rise * units.pressure / units.length,
+            self.problem.period,
+        )
 
     def _zone_of(self, x: Array) -> Any:
         # Parted in the middles of gaps: places at ends may be rounded to outside of their zone.
@@ -372,24 +428,39 @@ def _gauss(cuts: Array, count: int) -> tuple[Array, Array]:
 def full_weights(fields: FullFields, functional: Functional, tip: float) -> Weights:
     """The functional in full contact on a half-plane, where p' = - (E*/2) H f''.
 
-    H f'(x*) is the principal value of (1/L) int f'(x) cot(pi (x* - x) / L) dx.
+    H f'(x*) is the principal value of (1/L) int f'(x) cot(pi (x* - x) / L) dx. At a point z of the
+    body, the transform of p' is (i E* / 2 L) int f'(x) cot(pi (z - x) / L) dx.
     """
-    profile = fields.problem.profile
+    profile, modulus = fields.problem.profile, fields.problem.units.E_star
     period = profile.period
     assert period is not None
     x, _, share = over_period(profile)
     heights, slopes = (functional.mean + functional.approach) * share, np.zeros(len(x))
-    x, heights, slopes = np.append(x, tip), np.append(heights, functional.tip), np.append(slopes, 0)
+    place, factor = functional.slope or (tip, 0.0)
+    x, heights = np.append(x, (tip, place)), np.append(heights, (functional.tip, 0.0))
+    slopes = np.append(slopes, (0.0, factor))
+
+    def around(place: float) -> tuple[Array, Array]:
+        """Nodes, counted from a place at which they are graded, and weights."""
+        breaks = np.asarray(profile.breakpoints, dtype=float)
+        count = max(4 * NODES, int(2 * period / (profile.resolution or period)))
+        cuts = (np.append(breaks, np.linspace(0, period, count)) - place) % period
+        edges = np.union1d(cuts, _graded(0.0, 0.0, period))
+        return gauss(np.union1d(edges, _graded(period, 0.0, period)), NODES)
+
     if functional.peak is not None:
         place, factor = functional.peak
-        breaks = np.asarray(profile.breakpoints, dtype=float)
-        cuts = (np.append(breaks, np.linspace(0, period, 4 * NODES)) - place) % period
-        edges = np.union1d(cuts, _graded(0.0, 0.0, period))
-        edges = np.union1d(edges, _graded(period, 0.0, period))
-        at, weight = gauss(edges, NODES)
-        weight = weight * factor * fields.problem.units.E_star / (2 * period)
+        at, weight = around(place)
+        weight = weight * factor * modulus / (2 * period)
         weight = weight / np.tan(np.pi * at / period)
         x = np.concatenate((x, place + at, [place]))
         heights = np.append(heights, np.zeros(len(at) + 1))
         slopes = np.concatenate((slopes, weight, [-weight.sum()]))
+    if functional.inside is not None:
+        z, value, rise = functional.inside
+        at, weight = around(z.real)
+        first, second, _ = cotangents(1j * z.imag - at, period)
+        weight = weight * (0.5j * modulus / np.pi * (value * first + rise * second)).real
+        x, heights = np.append(x, z.real + at), np.append(heights, np.zeros(len(at)))
+        slopes = np.append(slopes, weight)
     return Weights(x, heights, slopes, TOLERANCES.rounding)

@@ -45,6 +45,8 @@ class Functionals(sie.Kept):
         """
         if self.refusal:
             raise SceneError(f"{self.refusal}: use `of(number, to=...)`", "number", number)
+        if number == "first_yield":
+            return self._first_yield()
         functional, control = self._at_load(number, index), self._control
         fields, unsure = self.solution.fields, 0.0
         if control is not None:
@@ -55,10 +57,38 @@ class Functionals(sie.Kept):
             ) / abs(of_control)
             functional = functional.plus(control[0], -of_number / of_control)
         variants = self.linearized.variants
-        found = tuple(self._on(one, functional) for one in variants)
+        if number == "max_stress":
+            ways = [self._of_stress(one, functional) for one in variants]
+        else:
+            ways = [functional] * len(variants)
+        found = tuple(self._on(one, way) for one, way in zip(variants, ways, strict=True))
         if control is None or not self.linearized.stated:
             return Weighted(found, None, 0.0)
         return Weighted(found, self._on(fields, control[0]), unsure)
+
+    def _first_yield(self) -> Weighted:
+        """The weights of the load of first yield, which no value of the control changes."""
+        by_load = self.linearized.by_load
+        rise, error = float(by_load.values.max_stress[0]), float(by_load.errors.max_stress[0])
+        ways = [self._of_stress(one, self._none(), -1 / rise) for one in self.linearized.variants]
+        found = tuple(
+            self._on(one, way) for one, way in zip(self.linearized.variants, ways, strict=True)
+        )
+        if not self.linearized.stated:
+            return Weighted(found, None, 0.0)
+        return Weighted(found, found[0], error / abs(rise))
+
+    def _of_stress(self, fields: Any, functional: Functional, factor: float = 1.0) -> Functional:
+        """A functional with `factor` times the largest stress added."""
+        stress = self.linearized.stress
+        assert stress is not None
+        point = stress.on(fields)[0]
+        value, rise = (factor * one for one in point.transform)
+        if point.y > 0:
+            return replace(functional, inside=(complex(point.x, point.y), value, rise))
+        # On the surface F is (E*/2) f' - i p.
+        along = 0.5 * self.solution.scene.E_star * value.real
+        return replace(functional, peak=(point.x, value.imag), slope=(point.x, along))
 
     def _on(self, fields: Any, functional: Functional) -> Weights:
         tip = float(self.linearized.tips[0])
@@ -120,13 +150,15 @@ class Functionals(sie.Kept):
             return numbers.load / self.solution.scene.profile.period
         if number == "max_pressure":
             return float(numbers.max_pressure[0])
+        if number == "max_stress":
+            return float(numbers.max_stress[0])
         return float(np.asarray(numbers.largest(number))[index])
 
     def _at_load(self, number: str, index: tuple[int, ...]) -> Functional:
         """The functional of a number at a given load."""
         none, solution, order = self._none(), self.solution, self._order
         ends, loads = none.ends, none.loads
-        if number in ("load", "mean_pressure"):
+        if number in ("load", "mean_pressure", "max_stress"):
             return none
         if number == "approach":
             return replace(none, approach=1.0, tip=-1.0)

@@ -9,6 +9,7 @@ enter have theirs.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +19,7 @@ from contact.derivatives.direction import Direction
 from contact.derivatives.numbers import Numbers, values
 from contact.derivatives.places import lowest, peaks
 from contact.derivatives.rates import Rate, rate_of, with_moved_zones
+from contact.derivatives.stresses import LargestStress
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.protocol import Fields
@@ -56,9 +58,14 @@ class Change:
 class Linearized(sie.Kept):
     """The linear equations for the derivatives of one solution."""
 
-    def __init__(self, solution: Solution, stated: bool = True) -> None:
-        """stated: whether errors are asked for, which take two more solves."""
-        self.solution, self.stated = solution, stated
+    def __init__(
+        self, solution: Solution, stated: bool = True, stress: LargestStress | None = None
+    ) -> None:
+        """stated: whether errors are asked for, which take two more solves.
+
+        stress: the largest stress of the solution, if derivatives of it are asked for.
+        """
+        self.solution, self.stated, self.stress = solution, stated, stress
 
     @cached_property
     def peaks(self) -> Array:
@@ -73,7 +80,8 @@ class Linearized(sie.Kept):
     @cached_property
     def values(self) -> Numbers:
         """The numbers of the solution."""
-        return values(self.solution, len(self.peaks), len(self.tips))
+        stress = np.zeros(0) if self.stress is None else self.stress.values
+        return values(self.solution, len(self.peaks), len(self.tips), stress)
 
     @cached_property
     def variants(self) -> tuple[Fields, ...]:
@@ -135,6 +143,7 @@ class Linearized(sie.Kept):
             self._stiffness(fields, rate),
             ends,
             rate.loads[order],
+            np.zeros(0) if self.stress is None else self.stress.rates(fields, rate),
         )
         return numbers, rate
 
@@ -165,6 +174,9 @@ class Linearized(sie.Kept):
         fields = self.solution.fields
         units, relative = fields.problem.units, self.solution.error
         noise, errors = rate.noise, abs(numbers) * (2 * relative)
+        if self.stress is not None:
+            missed = 2 * (relative + self.stress.missed)
+            errors = replace(errors, max_stress=np.abs(numbers.max_stress) * missed)
         period = self.solution.scene.period
         if not isinstance(fields, (ZoneFields, GapFields)):
             size = noise * units.pressure
@@ -178,6 +190,7 @@ class Linearized(sie.Kept):
                 0.0,
                 numbers.zones,
                 numbers.zone_loads,
+                errors.max_stress * 0 + size,
             )
             return errors + none
         solved = fields.solved_zones
@@ -199,5 +212,6 @@ class Linearized(sie.Kept):
             abs(numbers.stiffness) * noise,
             np.full(numbers.zones.shape, ends),
             np.full(numbers.zone_loads.shape, load) + 0 * widths[:, 0],
+            np.full(numbers.max_stress.shape, 8 * noise * units.pressure),
         )
         return errors + more

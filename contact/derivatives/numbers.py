@@ -18,8 +18,9 @@ Value = float | Array
 class Numbers:
     """Numbers of a contact, in SI units; nan where one is not defined or not known.
 
-    approach and max_pressure are tables: one entry for each lowest place of the profile and each
-    place of the highest pressure. Where entries of a derivative differ, it is one-sided.
+    approach, max_pressure and max_stress are tables: one entry for each lowest place of the profile
+    and each place of the highest pressure and of the largest stress. Where entries of a derivative
+    differ, it is one-sided.
     """
 
     load: float
@@ -30,6 +31,7 @@ class Numbers:
     stiffness: float
     zones: Array
     zone_loads: Array
+    max_stress: Array
 
     @classmethod
     def of_degrees(cls, numbers: Numbers, degrees: Mapping[str, float]) -> Numbers:
@@ -56,13 +58,13 @@ class Numbers:
     def largest(self, name: str) -> Value:
         """The number by name; for tables over several places, the largest entry."""
         value = getattr(self, name)
-        if name in ("approach", "max_pressure"):
+        if name in ("approach", "max_pressure", "max_stress"):
             return float(np.max(value)) if np.size(value) else np.nan
         return np.asarray(value) if np.ndim(value) else float(value)
 
 
-def values(solution: Solution, peaks: int, tips: int) -> Numbers:
-    """The numbers of a solution, with tables of these lengths."""
+def values(solution: Solution, peaks: int, tips: int, max_stress: Array) -> Numbers:
+    """The numbers of a solution, with tables of these lengths and of the largest stress."""
     missing = np.nan
     fraction, gap = solution.contact_fraction, solution.mean_gap
     approach, stiffness = solution.approach, solution.stiffness
@@ -75,4 +77,5 @@ def values(solution: Solution, peaks: int, tips: int) -> Numbers:
         missing if stiffness is None else stiffness,
         solution.zones,
         solution.zone_loads,
+        max_stress,
     )

@@ -45,7 +45,7 @@ def peaks(solution: Solution) -> Array:
         x = (zones.mean(axis=1)[:, None] + 0.5 * np.diff(zones, axis=1) * np.cos(angle)).ravel()
         ends = zones
     cusps = np.asarray(profile.algebraic_points).reshape(-1, 4)[:, 0]
-    return _maxima(solution.pressure, x, _Window(ends, shortest, cusps, solution.error))
+    return _maxima(solution.pressure, x, Window(ends, shortest, cusps, solution.error))
 
 
 def lowest(solution: Solution) -> Array:
@@ -64,7 +64,7 @@ def lowest(solution: Solution) -> Array:
         count = DETAIL.samples_per_length * (hi - lo) / detail
         x = np.linspace(lo, hi, int(np.clip(count, DETAIL.min_samples, SAMPLING.max_points)))
     ends = np.array([[x[0], x[-1]]])
-    window = _Window(ends, profile.resolution or np.inf, _kinks(profile), 0.0)
+    window = Window(ends, profile.resolution or np.inf, _kinks(profile), 0.0)
     return _maxima(lambda at: -np.asarray(profile.height(at)), x, window)
 
 
@@ -74,7 +74,7 @@ def _kinks(profile: Profile) -> Array:
 
 
 @dataclass(frozen=True)
-class _Window:
+class Window:
     """Intervals in which maxima lie, the shortest length, places of cusps, and the error."""
 
     ends: Array
@@ -111,7 +111,7 @@ class _Window:
         return place + half * at
 
 
-def _maxima(function: Callable[[Array], Array], x: Array, window: _Window) -> Array:
+def _maxima(function: Callable[[Array], Array], x: Array, window: Window) -> Array:
     value = np.asarray(function(x), dtype=float)
     finite = np.where(np.isfinite(value), value, -np.inf)
     place, highest = maximum(function, x, value=finite)

@@ -41,7 +41,8 @@ class Rate:
     load: derivative of the load. approach: that of the approach of heights f, not counted from the
     lowest place; nan if it has no datum. ends: outward motions (n, 2), loads (n,), intensities k
     (n, 2) of p' at the ends, in the order of the fields' zones. pressure: p' at places x. noise:
-    error of the coefficients of p' over the pressure's unit.
+    error of the coefficients of p' over the pressure's unit. fields: those of p', from which
+    stresses follow; None if the stresses are infinite at ends.
     """
 
     load: float
@@ -52,6 +53,7 @@ class Rate:
     intensities: Array
     pressure: Callable[[Array], Array]
     noise: float
+    fields: Fields | None
 
 
 @record
@@ -125,6 +127,7 @@ def _of_zones(fields: ZoneFields, direction: Profile, grown: Turned) -> Rate:
         np.where(fields.solved_zones.moves, k, 0.0).T * units.intensity,
         rate.pressure,
         state.density_error * state.size + TOLERANCES.rounding * state.size,
+        rate,
     )
 
 
@@ -165,6 +168,7 @@ def _of_intensities(fields: ZoneFields, direction: Profile, grown: Turned) -> Ra
         np.full((len(zones), 2), np.nan),
         pressure,
         (state.density_error + TOLERANCES.rounding) * max(size, state.size),
+        None,
     )
 
 
@@ -188,6 +192,7 @@ def _of_gaps(fields: GapFields, direction: Profile, grown: Turned) -> Rate:
         _by_zones(k) * units.intensity,
         rate.pressure,
         state.density_error * state.size + TOLERANCES.rounding * state.size + form.relief.error,
+        rate,
     )
 
 
@@ -204,9 +209,8 @@ def _of_full(fields: FullFields, direction: Profile, load: float) -> Rate:
     mean = mean_shape(problem) * units.height
     rate = FullFields(problem, load / period, relief, mean)
     none = np.zeros((0, 2))
-    return Rate(
-        load, rate.approach, 0.0, none, np.zeros(0), none, rate.pressure, relief.error / units.slope
-    )
+    noise = relief.error / units.slope
+    return Rate(load, rate.approach, 0.0, none, np.zeros(0), none, rate.pressure, noise, rate)
 
 
 def with_moved_zones(fields: Fields, outward: Array) -> Fields:

@@ -12,12 +12,11 @@ the load. The modulus, the edge intensity K of a law and the period follow from 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 import sie
 from contact.derivatives.adjoint import Weights
@@ -32,14 +31,27 @@ from contact.derivatives.direction import (
 from contact.derivatives.functionals import Functionals, Weighted
 from contact.derivatives.heights import by_heights
 from contact.derivatives.linear import Change, Linearized
-from contact.derivatives.numbers import Numbers, Value
+from contact.derivatives.numbers import Numbers
 from contact.derivatives.pull_off import PullOffRates
+from contact.derivatives.response import (
+    NUMBERS,
+    OF_CRITERION,
+    STRESSES,
+    TABLES,
+    Derivative,
+    Response,
+    rise_of_stress,
+)
+from contact.derivatives.stresses import LargestStress
 from contact.errors import SceneError
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.tolerances import TOLERANCES
-from contact.model.checks import one_of, real
+from contact.inside.largest import Criterion
+from contact.inside.stress import LATERAL
+from contact.inside.yielding import CRITERIA, Yield
+from contact.model.checks import one_of, poisson_ratio
 from contact.model.controls import Quantity
 from contact.model.profiles.sampled import Sampled
 from contact.model.registry import remade
@@ -48,145 +60,14 @@ from contact.sweeps.sweep.keys import MODULUS, tables
 from sie import Array
 
 # The powers of numbers with which pressures grow at given zones, and heights likewise.
-OF_PRESSURE = {"load": 1.0, "max_pressure": 1.0, "stiffness": 1.0, "zone_loads": 1.0}
+OF_PRESSURE = {
+    "load": 1.0,
+    "max_pressure": 1.0,
+    "max_stress": 1.0,
+    "stiffness": 1.0,
+    "zone_loads": 1.0,
+}
 OF_HEIGHT = {"approach": 1.0, "mean_gap": 1.0, "stiffness": -1.0}
-
-# Numbers that are arrays, with an entry for each zone.
-TABLES = ("zones", "zone_widths", "zone_loads")
-# Names of numbers that have derivatives.
-NUMBERS = (
-    "load",
-    "mean_pressure",
-    "approach",
-    "mean_gap",
-    "contact_fraction",
-    "max_pressure",
-    "stiffness",
-    "zones",
-    "zone_widths",
-    "zone_loads",
-)
-
-
-@dataclass(frozen=True)
-class Derivative:
-    """A derivative with its stated error.
-
-    Parameters
-    ----------
-    value : float or ndarray
-        The derivative; an array for zones, their widths and their loads, and by an array of
-        parameters.
-    error : float or ndarray
-        Bound of its error, of the same shape.
-    note : str
-        Why the derivative is one-sided, for a growing parameter; empty if it is not.
-
-    Examples
-    --------
-    The half width of a cylinder's contact grows like the square root of the load.
-
-    >>> import contact
-    >>> hertz = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1e4)
-    >>> by = contact.sensitivity(contact.solve(hertz, tol=1e-11)).of("zones", to="control.load")
-    >>> (by.value * 2e4 / by.value[0, 1] / 2e4).round(9).tolist(), bool(by.error.max() < 1e-15)
-    ([[-1.0, 1.0]], True)
-    """
-
-    value: Value
-    error: Value
-    note: str = ""
-
-    def __float__(self) -> float:
-        return float(self.value)
-
-
-@dataclass(frozen=True, eq=False)
-class Response:
-    """Derivatives of a contact by one parameter, at the given value of the scene's control.
-
-    `of(number)` is that of a number with its error; `pressure(x)` that of the pressure at fixed x.
-
-    Parameters
-    ----------
-    solution : Solution
-        The solution.
-    change : Change
-        Derivatives of all numbers, their errors, and the derivative of the pressure.
-    note : str
-        Why the derivatives are one-sided; empty if they are not.
-    of_period : float
-        Derivative of the period by the parameter, on which the mean pressure depends.
-
-    Examples
-    --------
-    In full contact the pressure follows the load everywhere.
-
-    >>> import contact
-    >>> wave = contact.Sinusoid(1e-6, 1e-4)
-    >>> full = contact.solve(contact.Scene(wave, 1e9, contact.Periodic(), load=5e3))
-    >>> by_load = contact.sensitivity(full).by("control.load")
-    >>> (by_load.pressure([0.0, 3e-5]) * 1e-4).round(12).tolist()
-    [1.0, 1.0]
-    """
-
-    solution: Solution = field(repr=False)
-    change: Change = field(repr=False)
-    note: str = ""
-    of_period: float = 0.0
-
-    def of(self, number: str) -> Derivative:
-        """The derivative of a number of the solution.
-
-        Parameters
-        ----------
-        number : str
-            One of "load", "mean_pressure", "approach", "mean_gap", "contact_fraction",
-            "max_pressure", "stiffness", "zones", "zone_widths", "zone_loads".
-
-        Returns
-        -------
-        Derivative
-
-        Raises
-        ------
-        SceneError
-            If the scene does not define the number, or its derivative is not known.
-        """
-        one_of("number", number, NUMBERS)
-        values, errors = self.change.values, self.change.errors
-        if number == "zone_widths":
-            return Derivative(np.diff(values.zones)[:, 0], errors.zones.sum(axis=1), self.note)
-        if number == "mean_pressure":
-            period = self.solution.scene.profile.period
-            if period is None:
-                raise SceneError("without a period there is no mean pressure", "number")
-            mean = (values.load - self.solution.load * self.of_period / period) / period
-            return Derivative(mean, errors.load / period, self.note)
-        value, error = values.largest(number), errors.largest(number)
-        if not np.all(np.isfinite(value)):
-            raise SceneError(f"{number}: {self._missing(number)}", "number", number)
-        note = self.note
-        if number in ("approach", "max_pressure"):
-            table, slack = getattr(values, number), 4 * float(np.max(error))
-            if np.ptp(table) > slack:
-                what = "lowest places" if number == "approach" else "places of highest pressure"
-                note = f"{len(table)} {what}: the derivative is one-sided, that of the largest"
-        return Derivative(value, error, note)
-
-    def _missing(self, number: str) -> str:
-        if number == "max_pressure":
-            return "the highest pressure is infinite, or constant at a limit: no derivative"
-        if number == "stiffness":
-            return (
-                "its derivative is known where the stiffness is finite, without friction between "
-                "unlike bodies and without edge intensities"
-            )
-        return "the scene does not define it, or it is infinite"
-
-    def pressure(self, x: ArrayLike) -> Array:
-        """Derivative of the pressure at fixed x [m], any shape; infinite at ends that move."""
-        return self.change.pressure(real("x", x))
 
 
 class Sensitivity(sie.Kept):
@@ -201,6 +82,8 @@ class Sensitivity(sie.Kept):
         The solution.
     stated : bool
         Whether errors are stated. Without them, derivatives take a third of the time.
+    stress : LargestStress or None
+        The largest stress, if derivatives of it are asked for.
 
     Examples
     --------
@@ -217,10 +100,12 @@ class Sensitivity(sie.Kept):
     material.E_star 0.5
     """
 
-    def __init__(self, solution: Solution, stated: bool = True) -> None:
+    def __init__(
+        self, solution: Solution, stated: bool = True, stress: LargestStress | None = None
+    ) -> None:
         refuse(solution)
-        self.solution = solution
-        self.linearized = Linearized(solution, stated)
+        self.solution, self.stress = solution, stress
+        self.linearized = Linearized(solution, stated, stress)
         self._known: dict[str, Response] = {}
         self._weighted: dict[tuple[str, tuple[int, ...]], Weighted] = {}
 
@@ -230,6 +115,7 @@ class Sensitivity(sie.Kept):
         scene = self.solution.scene
         names = [MODULUS, f"control.{scene.control[0]}"]
         names += [f"control.{name}" for name in scene.turning]
+        names += OF_CRITERION if self.stress is not None else ()
         for table, values in tables(scene).items():
             for name, value in values.items():
                 numbers = np.asarray(value if value is not None else "", dtype=object)
@@ -251,7 +137,7 @@ class Sensitivity(sie.Kept):
         to : str
             The name of the data as in a scene file: "profile.amplitude", "material.E_star",
             "law.work_of_adhesion", "control.load". An array such as "profile.cosine" has an array
-            of derivatives, and "profile.cosine[2]" one.
+            of derivatives, and "profile.cosine[2]" one. With a criterion also "strength" and "nu".
 
         Returns
         -------
@@ -264,6 +150,8 @@ class Sensitivity(sie.Kept):
         """
         name, index = _parted(to)
         one_of("to", name, self.keys)
+        if name in OF_CRITERION:
+            return self._by_criterion(number, to)
         value = self._value(name)
         if number == "pull_off" and (index is not None or np.ndim(value) == 0):
             return Derivative(*self._of_pull_off(name, index))
@@ -288,7 +176,7 @@ class Sensitivity(sie.Kept):
     def by(self, to: str) -> Response:
         """Derivatives of all numbers, and of the pressure, by one of the scene's data."""
         name, index = _parted(to)
-        one_of("to", name, self.keys)
+        one_of("to", name, [key for key in self.keys if key not in OF_CRITERION])
         value = self._value(name)
         if (index is not None) != (np.ndim(value) == 1):
             raise SceneError.of("to", to, f"{name}[k] for an array, and {name} for a number")
@@ -405,10 +293,11 @@ class Sensitivity(sie.Kept):
 
     def _weights(self, number: str, index: int | tuple[int, ...]) -> Weighted:
         """The weights of a number on the zones and on moved zones."""
-        one_of("number", number, NUMBERS)
+        one_of("number", number, NUMBERS + STRESSES)
         at = index if isinstance(index, tuple) else (index,)
         # That the number has a derivative is checked by the one by the load.
-        value = np.asarray(Response(self.solution, self.linearized.by_load).of(number).value)
+        by_load = self.linearized.by_load
+        value = np.asarray(Response(self.solution, by_load, by_load=by_load).of(number).value)
         if len(at) != value.ndim or any(
             not 0 <= k < n for k, n in zip(at, value.shape, strict=True)
         ):
@@ -432,7 +321,25 @@ class Sensitivity(sie.Kept):
         note = self.note
         if number == "max_pressure" and len(self.linearized.peaks) > 1:
             note = "several places of highest pressure: the derivatives are those of one of them"
+        if number in STRESSES and len(self.linearized.values.max_stress) > 1:
+            note = "several places of largest stress: the derivatives are those of one of them"
         return Derivative(value, error, note)
+
+    def _by_criterion(self, number: str, to: str) -> Derivative:
+        """The derivative of the largest stress or of first yield by a number of the criterion."""
+        one_of("number", number, STRESSES)
+        stress, (rise, unsure) = self.stress, rise_of_stress(self.linearized.by_load)
+        assert stress is not None
+        strength = np.ones(rise.shape)
+        change = -stress.by_nu if to == "nu" else strength
+        if number == "max_stress":
+            change = strength - strength if to == "strength" else stress.by_nu
+            error = 4 * (self.solution.error + stress.missed) * np.abs(change)
+            first = int(np.argmax(change))
+            return Derivative(float(change[first]), float(error[first]), self.note)
+        first = int(np.argmin(change / rise))
+        error = (unsure + 4 * (self.solution.error + stress.missed) / rise) * np.abs(change)
+        return Derivative(float((change / rise)[first]), float(error[first]), self.note)
 
     # The next methods give the derivative by one parameter.
 
@@ -579,8 +486,27 @@ class Sensitivity(sie.Kept):
                 f"law.{key}",
             )
         if not self._adheres():
-            return self._response(self.linearized.by_load.times(0.0))
+            return self._response(self._by_shear(key, value))
         return self._response(self._intensity.times(self._intensity_rate(f"law.{key}")))
+
+    def _by_shear(self, key: str, value: float) -> Change:
+        """The derivative by a parameter of a law of friction, which changes the stresses only."""
+        nothing = self.linearized.by_load.times(0.0)
+        if self.stress is None:
+            return nothing
+        law = self.solution.scene.law
+
+        def ratio(at: float) -> float:
+            return float(remade(law, {key: at}).shear_ratio)
+
+        rate = _difference(ratio, value, STEP * value) if value else (ratio(STEP) - ratio(0)) / STEP
+        turned = self.stress.by_shear * rate
+        error = np.abs(turned) * (4 * (self.solution.error + self.stress.missed))
+        return replace(
+            nothing,
+            values=replace(nothing.values, max_stress=turned),
+            errors=replace(nothing.errors, max_stress=error),
+        )
 
     def _by_period(self) -> Response:
         scene = self.solution.scene
@@ -601,7 +527,8 @@ class Sensitivity(sie.Kept):
                 "to",
                 "profile.period",
             ) from None
-        change = change.plus(self._value_change({"zones": 1.0, "max_pressure": -1.0}), 1.0)
+        degrees = {"zones": 1.0, "max_pressure": -1.0, "max_stress": -1.0}
+        change = change.plus(self._value_change(degrees), 1.0)
         if self._adheres():
             change = change.plus(self._intensity, 0.5)
         unknown = replace(change.times(1.0 / period), pressure=_not_known)
@@ -622,7 +549,8 @@ class Sensitivity(sie.Kept):
         held = self.solution.scene.control_object.held(self.solution.scene)
         assert held is not None
         if held.quantity is Quantity.LOAD and target == 0.0:
-            return Response(self.solution, change, self.note)
+            by_load = self.linearized.by_load if self.stress is not None else None
+            return Response(self.solution, change, self.note, by_load=by_load)
         by_load = self.linearized.by_load
         of_change, change_error = _controlled(held.quantity, change)
         of_load, load_error = _controlled(held.quantity, by_load)
@@ -639,6 +567,7 @@ class Sensitivity(sie.Kept):
             self.solution,
             replace(found, errors=found.errors + abs(by_load.values) * error),
             self.note,
+            by_load=by_load,
         )
 
     @cached_property
@@ -743,15 +672,26 @@ def refuse(solution: Solution) -> None:
         )
 
 
-def sensitivity(solution: Solution) -> Sensitivity:
+def sensitivity(
+    solution: Solution | Yield,
+    nu: float | None = None,
+    criterion: str = "mises",
+    lateral: str = "as loaded",
+) -> Sensitivity:
     """Derivatives of the numbers of a solution by all data of its scene.
 
     Parameters
     ----------
-    solution : Solution
+    solution : Solution or Yield
         A solution of contact by zones, by gaps or in full contact, isolated or periodic, on a
         half-plane or a layer, with friction or with adhesion by edge intensities. The errors of
-        derivatives follow from its own: solve with a small `tol` for many digits.
+        derivatives follow from its own: solve with a small `tol` for many digits. Or what
+        `solution.first_yield` found: then also derivatives of the load of first yield.
+    nu : float or None
+        Poisson's ratio of body 1, for derivatives of its largest equivalent stress, "max_stress",
+        and of "first_yield", the load at which this stress is what it is now.
+    criterion, lateral : str
+        The equivalent stress, as for `first_yield`.
 
     Returns
     -------
@@ -761,7 +701,8 @@ def sensitivity(solution: Solution) -> Sensitivity:
     Raises
     ------
     SceneError
-        For localized contact, laws with a range of tension, and plateaus of the pressure.
+        For localized contact, laws with a range of tension, and plateaus of the pressure; for
+        stresses that are infinite, or largest at the end of a zone.
 
     Examples
     --------
@@ -776,5 +717,29 @@ def sensitivity(solution: Solution) -> Sensitivity:
     >>> exact = -np.tan(np.pi / 2 * solution.contact_fraction) / np.pi / 1e-6
     >>> bool(abs(by.value - exact) < 1e-9 * abs(exact)), bool(by.error < 1e-8 * abs(exact))
     (True, True)
+
+    A cylinder yields at a load that is proportional to its radius.
+
+    >>> cylinder = contact.Scene(contact.Parabola(2.0), 1e9, contact.Isolated(), load=1e3)
+    >>> found = contact.solve(cylinder).first_yield(1e6, nu=0.3)
+    >>> by = contact.sensitivity(found)
+    >>> round(by.of("first_yield", to="profile.radius").value * 2.0 / found.load, 9)
+    1.0
     """
-    return Sensitivity(solution)
+    if not isinstance(solution, Yield):
+        if nu is None:
+            return Sensitivity(solution)
+        refuse(solution)
+        one_of("criterion", criterion, CRITERIA)
+        one_of("lateral", lateral, LATERAL)
+        rule = Criterion(criterion, poisson_ratio("nu", nu), lateral)
+        return Sensitivity(solution, stress=LargestStress(solution, rule))
+    found = solution.solution
+    if found is None or solution.note:
+        raise SceneError(f"first yield: {solution.note}: its load has no derivatives", "solution")
+    if nu is not None:
+        raise SceneError.of("nu", nu, "left out for a contact.Yield, which has its own")
+    refuse(found)
+    assert solution.criterion is not None
+    stress = LargestStress(found, solution.criterion, solution.error)
+    return Sensitivity(found, stress=stress)

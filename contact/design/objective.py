@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.derivatives.result import NUMBERS
+from contact.derivatives.response import NUMBERS
 from contact.errors import SceneError
 from contact.model.checks import one_of
 from sie import Array

@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contact.derivatives.result import NUMBERS, TABLES, Sensitivity
+from contact.derivatives.response import NUMBERS, TABLES
+from contact.derivatives.result import Sensitivity
 from contact.design.objective import Measured, Objective, objective_of
 from contact.design.variables import Variables
 from contact.errors import NotConverged, SceneError, unwarned

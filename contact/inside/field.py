@@ -6,7 +6,7 @@ the stresses. A wrong end of a zone moves a pressure that grows like the square 
 from the end; near the end that counts more.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -66,8 +66,6 @@ def needs_half_plane(operator: Operator) -> None:
         )
 
 
-# At ends, on the surface, transforms are infinite or nan.
-@np.errstate(divide="ignore", invalid="ignore")
 def stress_of(
     fields: Fields, x: Array, y: Array, error: float, lateral: str, nu: float | None
 ) -> Stress:
@@ -75,6 +73,19 @@ def stress_of(
 
     error: relative error of the pressure at equal normalised positions, and of ends.
     """
+    found, normal = exact_stress(fields, x, y, lateral, nu)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bound = error_at(fields, x, y, normal, error)
+    ratio = fields.problem.law.shear_ratio
+    return replace(found, error=bound * (1 + OPTIONS.of_shear * abs(ratio)))
+
+
+# At ends, on the surface, transforms are infinite or nan.
+@np.errstate(divide="ignore", invalid="ignore")
+def exact_stress(
+    fields: Fields, x: Array, y: Array, lateral: str, nu: float | None
+) -> tuple[Stress, Transform]:
+    """(stresses without a bound of their error, transform of the pressure) at points (x, y) [m]."""
     needs_half_plane(fields.problem.operator)
     along = tension_along(lateral, fields.deep_pressure, nu)
     normal = fields.pressure_transform(x, y)
@@ -82,12 +93,9 @@ def stress_of(
     if unknown.any():
         # At the tip of a power law the transform is NaN. On the surface, Im F = -p replaces it.
         normal[0][unknown] = -1j * fields.pressure(x[unknown])
-    bound, ratio = error_at(fields, x, y, normal, error), fields.problem.law.shear_ratio
-    if not ratio:
-        return stress_from(y, normal, None, bound).with_tension(along)
-    tangential = ratio * normal[0], ratio * normal[1]
-    bound = bound * (1 + OPTIONS.of_shear * abs(ratio))
-    return stress_from(y, normal, tangential, bound).with_tension(along)
+    ratio = fields.problem.law.shear_ratio
+    tangential = (ratio * normal[0], ratio * normal[1]) if ratio else None
+    return stress_from(y, normal, tangential).with_tension(along), normal
 
 
 def error_at(fields: Fields, x: Array, y: Array, normal: Transform, error: float) -> Array:

@@ -81,6 +81,29 @@ class Criterion:
             return stress.shear
         return stress.mises(self.nu) if self.name == "mises" else stress.tresca(self.nu)
 
+    def branch(self, stress: Stress) -> int:
+        """The planes of the largest shear at one point: 0 those along z, 1 the others."""
+        return int(self.name == "tresca" and float(self.of(stress)) > float(stress.shear))
+
+    def of_branch(self, stress: Stress, branch: int) -> Array:
+        """The equivalent stress of one branch, which is smooth."""
+        if self.name == "mises":
+            return stress.mises(self.nu)
+        mean = 0.5 * np.abs(stress.xx + stress.yy)
+        return 0.5 * ((1 - 2 * self.nu) * mean + stress.shear) if branch else stress.shear
+
+    def slopes(self, stress: Stress, branch: int) -> Array:
+        """Derivatives (3,) of `of_branch` by xx, yy and xy at one point."""
+        one, both = np.array([0.5, -0.5, 0.0]), np.array([0.5, 0.5, 0.0])
+        away, mean = 0.5 * (stress.xx - stress.yy), 0.5 * (stress.xx + stress.yy)
+        plane, skew = float(stress.shear), 1 - 2 * self.nu
+        of_plane = away * one + stress.xy * np.array([0.0, 0.0, 1.0])  # of shear^2 / 2
+        if self.name == "mises":
+            whole = 3 * of_plane + skew**2 * mean * both
+            return np.asarray(whole / (float(stress.mises(self.nu)) or 1.0))
+        of_shear = of_plane / (plane or 1.0)
+        return 0.5 * (skew * np.sign(mean) * both + of_shear) if branch else of_shear
+
     def at(self, body: Body, x: Array, y: Array) -> Array:
         """The equivalent stress at points; 0 where it is not known or infinite."""
         return np.nan_to_num(self.of(body.stress(x, y, self.lateral, self.nu)), posinf=0.0)
@@ -114,9 +137,14 @@ class Peak:
 
 def largest(body: Body, criterion: Criterion) -> Peak:
     """The largest equivalent stress in the body."""
+    return max(peaks(body, criterion), key=lambda one: one.stress)
+
+
+def peaks(body: Body, criterion: Criterion) -> list[Peak]:
+    """The places of large equivalent stress in the body, several of which may be the same."""
     samples = _Samples.of(body)
     if samples.highest == 0.0 and body.fields.deep_pressure == 0.0:
-        return Peak(0.0, 0.0, 0.0, 0.0)
+        return [Peak(0.0, 0.0, 0.0, 0.0)]
     on_surface = criterion.at(body, samples.x, np.zeros(len(samples.x)))
     places = [(samples.x, np.zeros(len(samples.x)), on_surface, samples.scale)]
     best = float(on_surface.max(initial=0.0))
@@ -250,8 +278,8 @@ def _apart(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array,
     return x[kept], y[kept], size[kept]
 
 
-def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) -> Peak:
-    """The largest stress near given places, by a search with decreasing steps.
+def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) -> list[Peak]:
+    """The largest stresses near given places, by a search with decreasing steps.
 
     A paraboloid, fitted to the values around each place, proposes the next place. If a place moves
     by less than half a step, its step is halved.
@@ -277,10 +305,8 @@ def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) 
         if np.all((step <= smallest) & (moved < smallest)):
             break
     found = body.stress(x, y, criterion.lateral, criterion.nu)
-    value = criterion.of(found)
-    best_place = int(np.argmax(value))
-    error = 2.0 * float(np.ravel(found.error)[best_place])
-    return Peak(float(value[best_place]), error, float(x[best_place]), float(y[best_place]))
+    numbers = np.array([criterion.of(found), 2.0 * found.error, x, y])
+    return [Peak(*column) for column in numbers.T.tolist()]
 
 
 def _vertex(value: Array, dx: Array, dy: Array) -> tuple[Array, Array]:

@@ -50,6 +50,8 @@ class Yield:
         Why the load is 0, or the load at which a sharp corner or tip comes into contact; else "".
     solution : Solution or None
         The contact at first yield; None if the load is 0.
+    criterion : Criterion or None
+        The equivalent stress; None if the load is 0.
 
     Examples
     --------
@@ -69,6 +71,7 @@ class Yield:
     error: float = 0.0
     note: str = ""
     solution: Any = field(default=None, repr=False)
+    criterion: Criterion | None = field(default=None, repr=False)
 
 
 def first_yield(
@@ -183,11 +186,14 @@ class _Search:
                 break
         if np.isinf(high[1]):
             # At larger loads a sharp corner or tip is in contact, where the stress is infinite.
-            body, tip = low[2], high[3]
-            return Yield(body.load, tip.x, tip.y, OPTIONS.touch_error + body.error, _NOTE, body)
+            body, tip, rule = low[2], high[3], self.criterion
+            return Yield(
+                body.load, tip.x, tip.y, OPTIONS.touch_error + body.error, _NOTE, body, rule
+            )
         body, peak = last[2], last[3]
         error = (peak.error / self.strength + abs(last[1])) / max(abs(slope), 1e-3)
-        return Yield(body.load, peak.x, peak.y, float(error + body.error), "", body)
+        error += body.error
+        return Yield(body.load, peak.x, peak.y, float(error), "", body, self.criterion)
 
 
 def _rate(one: Point, other: Point) -> float:

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 import contact
-from contact.derivatives.result import NUMBERS, OF_PRESSURE
+from contact.derivatives.response import NUMBERS
+from contact.derivatives.result import OF_PRESSURE
+from contact.derivatives.stresses import LargestStress
+from contact.inside.largest import Criterion
 from contact.model.scene import Scene
 from contact.sweeps.sweep.keys import varied
 
@@ -372,3 +375,148 @@ def test_pull_off_of_a_texture_has_the_derivatives_of_differences() -> None:
                 other = contact.solve(scene(1 + 2e-3 * sign * k, to), 1e-10)
                 total += sign * weight / 2e-3 * other.pull_off.load
         assert np.isclose(by.of("pull_off", key).value * size, total, rtol=1e-7)
+
+
+@pytest.mark.parametrize("criterion", ["mises", "tresca"])
+def test_the_load_of_first_yield_of_a_cylinder_has_the_powers_of_its_closed_form(
+    criterion: str,
+) -> None:
+    """p_0 = sqrt(P E* / pi R) is proportional to the largest stress: P ~ Y^2 R / E*."""
+    scene = isolated(contact.Parabola(2.0), load=1e3)
+    found = contact.solve(scene).first_yield(1e6, 0.3, criterion, tol=1e-12)
+    by = contact.sensitivity(found)
+    for to, size, power in (
+        ("profile.radius", 2.0, 1.0),
+        ("material.E_star", 1e9, -1.0),
+        ("strength", 1e6, 2.0),
+        ("control.load", found.load, 0.0),
+    ):
+        one, stress = by.of("first_yield", to), by.of("max_stress", to)
+        assert abs(one.value * size / found.load - power) <= 1e-9
+        assert abs(one.value * size - power * found.load) <= one.error * size + 1e-12 * found.load
+        of_load = {"control.load": 0.5, "strength": 0.0}.get(to, -0.5 * power)
+        assert np.isclose(stress.value * size / 1e6, of_load, rtol=1e-9)
+
+
+LIKE = contact.Sliding(0.2)
+STRESSED: dict[str, tuple[Scene, str, str, tuple[str, ...]]] = {
+    "zones": (*ROUTES["zones"][:1], "mises", "free", ("profile.cosine[0]", "profile.period")),
+    "fraction": (*ROUTES["zones at a fraction"][:1], "tresca", "confined", ("profile.sine[1]",)),
+    "gaps": (*ROUTES["gaps"][:1], "mises", "as loaded", ("profile.cosine[1]", "profile.period")),
+    "full contact": (
+        *ROUTES["full contact"][:1],
+        "tresca",
+        "free",
+        ("profile.cosine[1]", "profile.period"),
+    ),
+    "one zone": (*ROUTES["one zone"][:1], "mises", "as loaded", ("profile.spacing",)),
+    "exponent": (*ROUTES["exponent"][:1], "mises", "as loaded", ("profile.exponent",)),
+    "sliding": (
+        periodic(SERIES, law=LIKE, mean_pressure=2e7),
+        "mises",
+        "as loaded",
+        ("profile.sine[0]", "law.friction", "profile.period"),
+    ),
+    # The largest stress is on the surface.
+    "unlike": (*ROUTES["sliding"][:1], "tresca", "as loaded", ("profile.sine[0]",)),
+}
+
+
+def largest_stress(solution: contact.Solution, criterion: str, lateral: str) -> float:
+    return float(LargestStress(solution, Criterion(criterion, 0.3, lateral)).values.max())
+
+
+@pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(n, marks=[] if n in ("full contact", "one zone") else pytest.mark.slow)
+        for n in STRESSED
+    ],
+)
+def test_the_largest_stress_has_the_derivatives_of_differences(name: str) -> None:
+    scene, criterion, lateral, keys = STRESSED[name]
+    solution = contact.solve(scene, TOL)
+    by = contact.sensitivity(solution, 0.3, criterion, lateral)
+    size = largest_stress(solution, criterion, lateral)
+    for to in keys:
+        table = np.ravel(by._value(to.partition("[")[0]))
+        unit = table[int(to[-2])] if "[" in to else table[0]
+        expected = by_differences(scene, to, lambda one: largest_stress(one, criterion, lateral))
+        found = by.of("max_stress", to)
+        assert abs(found.value * unit - expected) <= 1e-8 * size
+        for tol in (1e-4, 1e-7):
+            rough = contact.sensitivity(contact.solve(scene, tol), 0.3, criterion, lateral)
+            one = rough.of("max_stress", to)
+            assert abs(one.value - found.value) <= one.error + found.error
+
+
+@pytest.mark.slow
+def test_the_load_of_first_yield_has_the_derivatives_of_differences() -> None:
+    scene, to = ROUTES["zones"][0], "profile.sine[1]"
+
+    def load(other: Scene, nu: float) -> float:
+        return contact.solve(other).first_yield(1e7, nu, lateral="free", tol=TOL).load
+
+    found = contact.solve(scene).first_yield(1e7, 0.3, lateral="free", tol=TOL)
+    by, step = contact.sensitivity(found), 2e-3
+    pairs = [(k, changed(scene, to, 1 + k * step)) for k in (-2, -1, 1, 2)]
+    weights = {-2: 1 / 12, -1: -2 / 3, 1: 2 / 3, 2: -1 / 12}
+    expected = sum(weights[k] * load(one, 0.3) for k, one in pairs) / step
+    assert np.isclose(by.of("first_yield", to).value * 3e-7, expected, rtol=1e-7)
+    expected = sum(w * load(scene, 0.3 + k * step) for k, w in weights.items()) / step
+    assert np.isclose(by.of("first_yield", "nu").value, expected, rtol=1e-7)
+
+
+STRESSED_HEIGHTS = {
+    "inside": (MEASURED["alone"], 0.3),
+    "on the surface": (MEASURED["moment"], 0.0),
+    "gaps": (MEASURED["gaps"], 0.3),
+    "full contact": (replace(MEASURED["full contact"], law=LIKE), 0.3),
+    "sliding": (replace(MEASURED["zones"], law=LIKE), 0.3),
+}
+
+
+@pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(n, marks=[] if n in ("inside", "full contact") else pytest.mark.slow)
+        for n in STRESSED_HEIGHTS
+    ],
+)
+def test_all_heights_at_once_have_the_derivatives_of_first_yield(name: str) -> None:
+    scene, nu = STRESSED_HEIGHTS[name]
+    by = contact.sensitivity(contact.solve(scene, 1e-9), nu, "mises" if nu else "tresca")
+    for number in ("max_stress", "first_yield"):
+        table = by.to_heights(number)
+        size = np.abs(table.value).max()
+        for k in (7, int(np.argmax(np.abs(table.value)))):
+            single = by.by(f"profile.height[{k}]").of(number)
+            assert abs(single.value - table.value[k]) <= min(
+                table.error[k] + single.error, 1e-9 * size
+            )
+
+
+def test_stresses_without_derivatives_are_refused_by_name() -> None:
+    hertz = contact.solve(isolated(contact.Parabola(1.0)))
+    with pytest.raises(contact.SceneError, match="criterion"):
+        contact.sensitivity(hertz).of("first_yield", "profile.radius")
+    adhesive = isolated(contact.Parabola(1.0), law=contact.JKR(0.01), load=1.0)
+    for scene in (isolated(contact.Wedge(0.1)), adhesive):
+        with pytest.raises(contact.SceneError, match="infinite"):
+            contact.sensitivity(contact.solve(scene), 0.3)
+    none = contact.solve(isolated(contact.Flat(1e-3))).first_yield(1e6, 0.3)
+    with pytest.raises(contact.SceneError, match="sharp corner"):
+        contact.sensitivity(none)
+    pulled = contact.solve(periodic(SERIES, law=contact.Sliding(0.4), mean_pressure=2e7))
+    with pytest.raises(contact.SceneError, match="end x"):
+        contact.sensitivity(pulled, 0.3, lateral="free").of("max_stress", "profile.period")
+
+
+def test_places_that_yield_together_are_said_to_have_one_sided_derivatives() -> None:
+    twins = contact.Fourier(1e-4, [0.0, -1e-6])
+    by = contact.sensitivity(contact.solve(periodic(twins, mean_pressure=1e7), 1e-11), 0.3)
+    for number in ("max_stress", "first_yield"):
+        assert "one-sided" in by.of(number, "profile.cosine[0]").note
+        assert by.of(number, "profile.cosine[1]").note == ""

@@ -1,0 +1,250 @@
+r"""Places of the largest equivalent stress in the body, and derivatives of it there.
+
+The derivative of the largest stress is that of the stress at the fixed place: where the place is a
+maximum, its own motion changes nothing at first order (the envelope theorem). So it is the sum of
+slopes of the criterion times the stresses of the derivative p' of the pressure. First yield is at
+the load P at which the largest stress s is the strength Y. At a fixed load, a change of the scene
+changes s by s', and a unit of load by s_P, so that
+
+    P' = -s' / s_P,    dP / dY = 1 / s_P.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+import sie
+from contact.derivatives.places import Window
+from contact.derivatives.rates import Rate
+from contact.errors import SceneError
+from contact.formulation.protocol import Fields
+from contact.formulation.tolerances import TOLERANCES
+from contact.inside.field import exact_stress
+from contact.inside.largest import Criterion, peaks
+from contact.inside.stress import Stress, Transform, stress_from
+from contact.inside.yielding import infinite_at
+from contact.solution.solution import Solution
+from sie import Array, record
+
+# Nodes along each side of the square in which a place is corrected by a polynomial. The stresses
+# are analytic at distances below the depth y. So in a square of the half width y / SHARE, the
+# coefficients fall like (2 SHARE)^-n: with 16^-12 they end at round-off.
+NODES = 13
+SHARE = 8.0
+
+
+@record
+class StressPoint:
+    """A place of the largest stress [m], the stress [Pa], and its slopes by xx, yy and xy there.
+
+    transform: factors (A, B), with which Re(A F + B F') is the derivative of the largest stress,
+    for the transform F of p' at the place and its derivative F', at a given load.
+    """
+
+    x: float
+    y: float
+    stress: float
+    slopes: Array
+    branch: int
+    transform: tuple[complex, complex]
+
+
+class LargestStress(sie.Kept):
+    """The places of the largest stress of one solution.
+
+    Parameters
+    ----------
+    solution : Solution
+        The solution.
+    criterion : Criterion
+        The criterion of the equivalent stress.
+    missed : float
+        Relative error of the load at which the stress is that of first yield.
+    """
+
+    def __init__(self, solution: Solution, criterion: Criterion, missed: float = 0.0) -> None:
+        self.solution, self.criterion, self.missed = solution, criterion, missed
+        if infinite_at(solution) is not None:
+            raise SceneError(
+                "the stress is infinite at a sharp corner or tip, or an adhesive end: it has no "
+                "derivatives",
+                "solution",
+            )
+
+    @cached_property
+    def points(self) -> tuple[StressPoint, ...]:
+        """The places of the largest stress."""
+        solution = self.solution
+        found = sorted(peaks(solution, self.criterion), key=lambda one: -one.stress)
+        # The search leaves a place to a step of 1e-4: the stress is wrong by less than its square.
+        close = [one for one in found if one.stress >= found[0].stress * (1 - 1e-6)]
+        points: list[StressPoint] = []
+        for one in close:
+            new = self._settled(solution.fields, one.x, one.y)
+            if not any(self._same(new, other) for other in points):
+                points.append(new)
+        best = max(one.stress for one in points)
+        slack = TOLERANCES.margin * max(TOLERANCES.rounding, solution.error)
+        return tuple(one for one in points if one.stress >= best * (1 - slack))
+
+    def _same(self, one: StressPoint, other: StressPoint) -> bool:
+        away, period = one.x - other.x, self.solution.scene.period
+        if period is not None:
+            away -= period * round(away / period)
+        size = max(one.y, other.y) or self._window.size(one.x)
+        return max(abs(away), abs(one.y - other.y)) <= 0.5 * size
+
+    @property
+    def values(self) -> Array:
+        """The largest stress at each of its places [Pa]."""
+        return np.array([one.stress for one in self.points])
+
+    def on(self, fields: Fields) -> tuple[StressPoint, ...]:
+        """The same places on slightly different fields."""
+        if fields is self.solution.fields:
+            return self.points
+        return tuple(self._settled(fields, one.x, one.y) for one in self.points)
+
+    def rates(self, fields: Fields, rate: Rate) -> Array:
+        """Derivatives of the largest stress at each of its places, those on the given fields."""
+        if rate.fields is None:
+            return np.full(len(self.points), np.nan)
+        points = self.on(fields)
+        x, y = np.array([[one.x, one.y] for one in points]).T
+        found, _ = exact_stress(rate.fields, x, y, self.criterion.lateral, self.criterion.nu)
+        changes = np.array([found.xx, found.yy, found.xy])
+        return np.array([one.slopes @ changes[:, k] for k, one in enumerate(points)])
+
+    @cached_property
+    def by_shear(self) -> Array:
+        """Derivatives of the largest stress by the ratio of shear to pressure."""
+        out = []
+        for one in self.points:
+            normal = self._stress(self.solution.fields, one.x, one.y)[1]
+            none = np.zeros(1, dtype=complex)
+            found = stress_from(np.array([one.y]), (none, none), normal)
+            out.append(one.slopes @ np.array([found.xx[0], found.yy[0], found.xy[0]]))
+        return np.array(out)
+
+    @cached_property
+    def by_nu(self) -> Array:
+        """Derivatives of the largest stress by Poisson's ratio, at given pressures."""
+        rule, deep = self.criterion, self.solution.fields.deep_pressure
+        along = -deep / (1 - rule.nu) ** 2 if rule.lateral == "confined" else 0.0
+        out = []
+        for one in self.points:
+            found, _ = self._stress(self.solution.fields, one.x, one.y)
+            mean = 0.5 * float(found.xx + found.yy)
+            if rule.name == "mises":
+                own = -2 * (1 - 2 * rule.nu) * mean**2 / one.stress
+            else:
+                own = -abs(mean) * one.branch
+            out.append(own + one.slopes[0] * along)
+        return np.array(out)
+
+    def _settled(self, fields: Fields, x: float, y: float) -> StressPoint:
+        """The place near (x, y) at which the stress is stationary, as far as it may move."""
+        branch = self._branch(fields, x, y)
+        if y > 0:
+            x, y = _stationary(lambda a, b: self._value(fields, a, b, branch), x, y)
+        else:
+            self._refuse_ends(fields, x)
+            x = self._window.corrected(
+                lambda at: self._value(fields, at, np.zeros(len(at)), branch), x
+            )
+        return self._point(fields, x, y, branch)
+
+    def _branch(self, fields: Fields, x: float, y: float) -> int:
+        return self.criterion.branch(self._stress(fields, x, y)[0])
+
+    def _value(self, fields: Fields, x: Array, y: Array, branch: int) -> Array:
+        rule = self.criterion
+        return rule.of_branch(exact_stress(fields, x, y, rule.lateral, rule.nu)[0], branch)
+
+    def _stress(self, fields: Fields, x: float, y: float) -> tuple[Stress, Transform]:
+        """The stress at one point, and the pressure's transform."""
+        rule = self.criterion
+        found, normal = exact_stress(fields, np.array([x]), np.array([y]), rule.lateral, rule.nu)
+        return Stress(found.xx[0], found.yy[0], found.xy[0], np.zeros(())), normal
+
+    def _point(self, fields: Fields, x: float, y: float, branch: int) -> StressPoint:
+        found, _ = self._stress(fields, x, y)
+        slopes = self.criterion.slopes(found, branch)
+        value = float(self.criterion.of_branch(found, branch))
+        return StressPoint(x, y, value, slopes, branch, _factors(slopes, y, self._ratio))
+
+    @property
+    def _ratio(self) -> float:
+        return float(self.solution.scene.law.shear_ratio)
+
+    @cached_property
+    def _window(self) -> Window:
+        solution = self.solution
+        profile, ends = solution.scene.profile, solution.zones
+        if len(ends) == 0:
+            ends = profile.x0 + np.array([[0.0, profile.period or 1.0]])
+        cusps = np.asarray(profile.algebraic_points).reshape(-1, 4)[:, 0]
+        return Window(ends, profile.resolution or np.inf, cusps, solution.error)
+
+    def _refuse_ends(self, fields: Fields, x: float) -> None:
+        """Raise SceneError if a place on the surface is at an end of a zone, or outside of all."""
+        zones = fields.zone_table
+        if len(zones) == 0:
+            return
+        length = self.solution.scene.period
+        middle, half = zones.mean(axis=1), 0.5 * np.diff(zones, axis=1)[:, 0]
+        away = x - middle
+        if length is not None:
+            away = away - length * np.round(away / length)
+        # The search leaves a place to a step of 1e-4 of the half width.
+        if np.all(np.abs(away) > half * (1 - 1e-3)):
+            raise SceneError(
+                f"the largest stress is on the surface, at the end x = {x:.6g} m of a zone: there "
+                "the derivative of the pressure is infinite, and that of the stress is not known: "
+                "use differences of solutions",
+                "solution",
+            )
+
+
+def _factors(slopes: Array, y: float, ratio: float) -> tuple[complex, complex]:
+    """(A, B): the slopes times the stresses of a pressure are Re(A F + B F').
+
+    See `contact.inside.stress`; the shear is `ratio` times the pressure.
+    """
+    xx, yy, xy = slopes.tolist()
+    value = complex(-2 * ratio * xx, -(xx + yy + ratio * xy))
+    rise = complex(xx - yy + ratio * xy, xy - ratio * (xx - yy))
+    return value, y * rise
+
+
+def _stationary(
+    function: Callable[[Array, Array], Array], x: float, y: float, max_steps: int = 8
+) -> tuple[float, float]:
+    """The place near (x, y), y > 0, at which the gradient of an analytic function vanishes."""
+    t = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+    half, degree = y / SHARE, NODES - 1
+    across, down = (part.ravel() for part in np.meshgrid(t, t, indexing="ij"))
+    value = function(x + half * across, y + half * down).reshape(NODES, NODES)
+    # Interpolation at Chebyshev nodes, along both sides.
+    of = chebyshev.chebvander(t, degree).T * (2 / NODES)
+    of[0] *= 0.5
+    series = of @ value @ of.T
+
+    def at(place: Array, across: int, down: int) -> float:
+        """A derivative of the series, of these orders."""
+        table = chebyshev.chebder(chebyshev.chebder(series, across, axis=0), down, axis=1)
+        return float(chebyshev.chebval2d(float(place[0]), float(place[1]), table))
+
+    place = np.zeros(2)
+    for _ in range(max_steps):
+        rise = np.array([at(place, 1, 0), at(place, 0, 1)])
+        mixed = at(place, 1, 1)
+        bend = np.array([[at(place, 2, 0), mixed], [mixed, at(place, 0, 2)]])
+        place = place - np.linalg.lstsq(bend, rise, rcond=None)[0]
+        if np.abs(place).max() > 1:
+            return x, y
+    return x + half * float(place[0]), y + half * float(place[1])
