@@ -99,10 +99,14 @@ def slow_scenes(cells: Cells) -> Cells:
     return cells._replace(rows=rows)
 
 
-def sentence(cells: Cells) -> Cells:
-    """Short form of a table of names and values: one line of text."""
-    line = "Measured with " + ", ".join(" ".join(row) for row in cells.rows) + "."
-    return Cells((), [], [" ".join([line, *cells.remarks])])
+def sentence(start: str, between: str) -> Callable[[Cells], Cells]:
+    """Return a short form of a table of names and values that is one line of text."""
+
+    def short(cells: Cells) -> Cells:
+        parts = "; ".join(between.join(row[:2]) for row in cells.rows)
+        return Cells((), [], [" ".join([f"{start}{parts}.", *cells.remarks])])
+
+    return short
 
 
 def hardest_reached(cells: Cells) -> Cells:
@@ -163,7 +167,8 @@ SHORT: dict[str, Callable[[Cells], Cells]] = {
     "hierarchy": in_turn(
         least_and_largest, columns("scene", "m=0", "m=1", "m=4", "m=16", "first order")
     ),
-    "machine": sentence,
+    "imports": sentence("A new interpreter that imports ", ": "),
+    "machine": sentence("Measured with ", " "),
     "kinds-20000": columns("kind", "zones", "time [s]", "stated error"),
     "many-intervals": largest,
     "measured-trace": columns(
@@ -178,6 +183,7 @@ SHORT: dict[str, Callable[[Cells], Cells]] = {
     "sampling": columns("points", "time [s]", "stated error"),
     "scaling": columns("series", "zones", "nodes", "time", "time grows as"),
     "self-affine": columns("kmax", "zones", "time [s]", "peak memory [GB]", "stated error"),
+    "stated": sentence("Counts of runs: ", ", "),
     "stability": columns("scenes", "outcome", "condition", "its origin", "error"),
     "stability-exceptions": columns("scene", "outcome"),
 }
