@@ -1,4 +1,4 @@
-"""Two textured faces, one slid along the other: contact, peak pressure and room between them over the shift.
+"""Two textured faces, one slid along the other: contact, largest pressure and room between them over the shift.
 
 A wave and a row of rounded flats of the same period, under 100 MPa on E* = 1.1e11 Pa. Tips on tips touch on little and leave much room;
 tips in valleys mate. Only the sum of both heights counts, so that each place is one scene of one profile, `contact.Combined`."""

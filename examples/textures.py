@@ -1,4 +1,4 @@
-"""Five textures under the same pressures: contact, peak pressure, stiffness and the room that is left between the surfaces.
+"""Five textures under the same pressures: contact, largest pressure, stiffness and the room that is left between the surfaces.
 
 All have a period of 100 um and a depth of 1 um, on an elastic half-plane of E* = 1.1e11 Pa; the flats rise without end."""
 

@@ -55,6 +55,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import room_beside
 from contact.model.profiles.noise import EPS
 from contact.model.scene import Scene
+from contact.model.units import quantity
 from contact.search.context import SceneCache, SolveContext
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
@@ -208,8 +209,8 @@ def _refuse_narrow(context: SolveContext, width: float) -> None:
     if strip < OPTIONS.narrowest_strip * width:
         part = max(strip / width, np.finfo(np.float64).tiny)
         raise NotConverged(
-            f"{TOO_NARROW}. They are {strip:.2g} m beside {width:.2g} m: without range the ends of "
-            f"the zone differ by {part:.0e} of it"
+            f"{TOO_NARROW}. They are {quantity(strip, 'm', 2)} beside {quantity(width, 'm', 2)}: "
+            f"without range the ends of the zone differ by {part:.0e} of it"
         )
 
 

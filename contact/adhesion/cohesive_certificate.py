@@ -16,6 +16,7 @@ from contact.adhesion.options import SAMPLES
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tables import gaps_between, located
 from contact.formulation.tolerances import TOLERANCES
+from contact.model.units import quantity
 from contact.verify.certificate import Certificate, least_eigenvalue
 from contact.verify.error import SolvedZones, reference
 from sie import AnyDensity, Array, record, wrapped
@@ -102,7 +103,8 @@ def certified(
         at = float(curve.problem.units.x(place[wrong_side])[0])
         holds, note = (
             False,
-            f"the gap is on the wrong side of the reach of the tension at x = {at:.6g} m",
+            "the gap is on the wrong side of the reach of the tension at "
+            f"x = {quantity(at, 'm', 6)}",
         )
     elif not stability > 0.0:
         holds, note = (

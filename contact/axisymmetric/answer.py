@@ -217,7 +217,7 @@ class Spot(sie.Kept):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]; inf if the spot contains a pointed tip or an edge."""
+        """Largest pressure [Pa]; inf if the spot contains a pointed tip or an edge."""
         if self.profile.pointed(self.radius) or self.profile.edges(self.radius):
             return inf
         return -least_value(lambda r: -self.pressure(r), 0.0, self.radius, 129)
@@ -269,7 +269,7 @@ class Spot(sie.Kept):
         if least < -ROUND_OFF * self.mean_pressure:
             raise OutOfRange(
                 "contact is not a full circle: "
-                f"the pressure would fall to {least:.6g} Pa in the spot"
+                f"the pressure would fall to {quantity(least, 'Pa', 6)} in the spot"
             )
         # The gap is checked from the edge of this spot halfway to the edge of the nearest spot. The
         # checks of the neighbouring spots cover the other half.
@@ -279,7 +279,8 @@ class Spot(sie.Kept):
         if np.min(gap) < -ROUND_OFF * float(np.max(np.abs(self.profile.height(r)))):
             at = int(np.argmin(gap))
             raise OutOfRange(
-                f"contact is not one circle: the surfaces would meet again at r = {r[at]:.6g} m"
+                "contact is not one circle: the surfaces would meet again at "
+                f"r = {quantity(float(r[at]), 'm', 6)}"
             )
 
 

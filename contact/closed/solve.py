@@ -40,7 +40,7 @@ from contact.verify.law_checks import has_checks, held_to_law
 # gap and so keeps the digits of the gap's width. The choice is uncritical, as results for limits
 # from 0.9 to 0.999 differ in those digits only.
 WIDEST = 0.95
-_NOTE = "one interval: the signs of its series, inside and outside"
+_NOTE = "one zone: the signs of its series, inside and outside"
 
 
 def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
@@ -93,7 +93,7 @@ def _may_be_one_zone(scene: Scene, tips: list[float]) -> bool:
 
 def why_not_closed(law: Law, E_star: float) -> str:
     """The reason why a scene under this law was not solved in closed form."""
-    return _refusal(law, E_star) or "the closed form is for one symmetric interval of a half-plane"
+    return _refusal(law, E_star) or "the closed form is for one symmetric zone of a half-plane"
 
 
 def _refusal(law: Law, E_star: float) -> str:
@@ -215,13 +215,13 @@ def _certificate(scene: Scene, zone: ClosedZone, gap: float, fields: ClosedField
 def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
     told = plan(scene)
     told.decide(
-        "solver", "closed form", "one symmetric interval of a half-plane needs no coupled system"
+        "solver", "closed form", "one symmetric zone of a half-plane needs no coupled system"
     )
     told.decide("unknowns", "zones", "the closed form is a series of the pressure on the zone")
     given = scene.held(Quantity.HALF_WIDTH) is not None or zone.problem.corner is not None
     for part in told.parts:
         if part.name == "coarse search":
-            part.used, part.reason = False, "one interval of a line, without a coupled system"
+            part.used, part.reason = False, "one zone of a line, without a coupled system"
         elif part.name == "zone ends":
             steps = f"{zone.steps} Newton steps in one series of {zone.nodes} nodes"
             part.detail = "" if given else steps

@@ -22,6 +22,7 @@ from contact.commands.trace import show_profile
 from contact.errors import SceneError
 from contact.model.scene import Scene
 from contact.model.units import headed, quantity
+from contact.solution.report import heading
 from contact.solution.terminal import Progress, show_columns
 from contact.sweeps.adhesive import AdhesivePath
 from contact.sweeps.path import path
@@ -40,13 +41,12 @@ _SHOWN = {
     "contact_fraction": 4,
     "total_width": 4,
     "mean_gap": 4,
-    "stiffness": 3,
+    "stiffness": 4,
     "zone_count": 5,
     "error": 2,
 }
 # For each control, the option of the command that gives its values.
 _OPTIONS = {"load": "loads", "mean_pressure": "pressures", "approach": "approaches"}
-_HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
 
 
 @click.command("path")
@@ -184,10 +184,9 @@ def _show(found: LoadPath) -> None:
     shown = {name: digits for name, digits in _SHOWN.items() if not np.isnan(known[name]).all()}
     if "contact_fraction" in shown:
         shown.pop("total_width", None)
-    heads = {name: _HEADS.get(name, name.replace("_", "\n")) for name in shown}
     show_columns(
         "load path",
-        [headed(heads[name], known[name], NUMBERS[name][0], shown[name]) for name in shown],
+        [headed(heading(name), known[name], NUMBERS[name][0], shown[name]) for name in shown],
         close=True,
     )
     if found.events:

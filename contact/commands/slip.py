@@ -37,7 +37,7 @@ _ROLLING = "contact.slip.rolling"
 @click.command("slip")
 @SCENE
 @AS_JSON
-@save_option("Write intervals and fields as netCDF, or OUT.json.")
+@save_option("Write zones and fields as netCDF, or OUT.json.")
 @csv_option("Write what sticks and what slips as CSV.")
 @csv_option("Write pressure and shear over x as CSV.", "--fields", "fields")
 @plot_option("Draw the shear and what sticks.")

@@ -18,7 +18,8 @@ from contact.commands.options import (
 from contact.inside.largest import Peak
 from contact.inside.stress import LATERAL
 from contact.inside.yielding import CRITERIA
-from contact.model.units import quantity
+from contact.model.units import quantity, with_error
+from contact.solution.report import HEADS, Row, numbers
 from contact.solution.stress_plot import SHOWN, place_of, plot_stress
 from contact.solution.stress_report import StressReport, stress_report, write_json, write_netcdf
 from contact.solution.terminal import Progress, show_table
@@ -80,28 +81,28 @@ def stress_command(
 
 
 def _show(report: StressReport) -> None:
+    known = ("load", "largest pressure")
     rows = [
-        ("load", quantity(report.solution.load, "N/m", 10)),
-        ("max pressure", quantity(report.solution.max_pressure, "Pa", 10)),
+        *(row for row in numbers(report.solution) if row[0] in known),
         *_rows("largest shear stress", report.shear),
         *_rows("largest von Mises stress", report.mises),
     ]
     found = report.yields
     if found is not None:
-        rows += [
-            ("first yield at the load", quantity(found.load, "N/m", 10)),
-            ("  at x", quantity(place_of(found.x, found.y), "m", 7)),
-            ("  in the depth", quantity(found.y, "m", 7)),
-            *([("  since there is", found.note)] if found.note else []),
-        ]
-    show_table("stresses in body 1", ("quantity", "value"), rows)
+        load = with_error(found.load, found.error * found.load, "N/m")
+        rows += [("first yield at the load", *load), *_place(found.x, found.y)]
+        rows += [("  since there is", found.note, "")] if found.note else []
+    show_table("stresses in body 1", HEADS, rows, numeric=(1, 2))
 
 
-def _rows(name: str, peak: Peak | None) -> list[tuple[str, str]]:
+def _rows(name: str, peak: Peak | None) -> list[Row]:
     if peak is None:
-        return [(name, "infinite")]
+        return [(name, "infinite", "-")]
+    return [(name, *with_error(peak.stress, peak.error, "Pa")), *_place(peak.x, peak.y)]
+
+
+def _place(x: float, y: float) -> list[Row]:
     return [
-        (name, quantity(peak.stress, "Pa", 8)),
-        ("  at x", quantity(place_of(peak.x, peak.y), "m", 7)),
-        ("  in the depth", quantity(peak.y, "m", 7)),
+        ("  at x", quantity(place_of(x, y), "m", 7), ""),
+        ("  at the depth", quantity(y, "m", 7), ""),
     ]

@@ -15,6 +15,7 @@ from contact.commands.options import QUIET, SCENE, TOL, checked, scene_of, value
 from contact.commands.trace import show_profile
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.model.units import column, quantity
+from contact.solution.report import label
 from contact.solution.terminal import Progress, show_table
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.keys import BRANCHES
@@ -134,24 +135,27 @@ def _show(table: Any, seconds: float) -> None:
     known = [(key, table[key].values, table[key].attrs.get("units", "")) for key in table.dims]
     show_table(
         "grid",
-        ("key", "values", "from, to"),
+        ("key", "values", "from to"),
         [(key, str(len(values)), _span(values, unit)) for key, values, unit in known],
         (1,),
     )
     failed, spans = (
         table["failed"],
-        [(name, _span(table[name].values, unit)) for name, (unit, _) in NUMBERS.items()],
+        [
+            (name, _span(table[name].values, unit, 2 if name == "error" else 6))
+            for name, (unit, _) in NUMBERS.items()
+        ],
     )
     rows = [
         ("points", str(failed.size)),
         ("failed", str(int(failed.sum()))),
         ("time", quantity(seconds, "s", 3)),
     ]
-    rows += [(name.replace("_", " "), span) for name, span in spans if span]
-    show_table("sweep", ("quantity", "least, greatest"), rows)
+    rows += [(label(name), span) for name, span in spans if span]
+    show_table("sweep", ("quantity", "smallest to largest"), rows)
 
 
-def _span(values: Any, unit: str) -> str:
+def _span(values: Any, unit: str, digits: int = 6) -> str:
     """The least and the greatest of the values, as text in a common unit.
 
     If the values are texts, all are listed. The result is "" if there are no values.
@@ -164,9 +168,9 @@ def _span(values: Any, unit: str) -> str:
         return ""
     ends = [float(flat.min()), float(flat.max())]
     if unit in ("", "1"):
-        return ", ".join(f"{end:.6g}" for end in ends)
-    prefixed, cells = column(ends, unit)
-    return f"{', '.join(cells)} {prefixed}"
+        return " to ".join(f"{end:.{digits}g}" for end in ends)
+    name, cells = column(ends, unit, digits)
+    return f"{' to '.join(cells)} {name}"
 
 
 def _stop_where_nothing_is_solved(table: Any) -> None:

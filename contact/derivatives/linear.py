@@ -69,7 +69,7 @@ class Linearized(sie.Kept):
 
     @cached_property
     def peaks(self) -> Array:
-        """Places of the highest pressure [m]."""
+        """Places of the largest pressure [m]."""
         return peaks(self.solution)
 
     @cached_property

@@ -19,7 +19,7 @@ class Numbers:
     """Numbers of a contact, in SI units; nan where one is not defined or not known.
 
     approach, max_pressure and max_stress are tables: one entry for each lowest place of the profile
-    and each place of the highest pressure and of the largest stress. Where entries of a derivative
+    and each place of the largest pressure and of the largest stress. Where entries of a derivative
     differ, it is one-sided.
     """
 

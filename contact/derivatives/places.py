@@ -28,7 +28,7 @@ WINDOW = EPS ** (1 / 5)
 
 
 def peaks(solution: Solution) -> Array:
-    """Places of the highest pressure [m] (k,); empty if it is infinite or reaches a plateau."""
+    """Places of the largest pressure [m] (k,); empty if it is infinite or reaches a plateau."""
     zones, profile = solution.zones, solution.scene.profile
     if not np.isfinite(solution.max_pressure) or not solution.max_pressure > 0:
         return np.zeros(0)

@@ -32,7 +32,7 @@ NUMBERS = (
 # Numbers at places, of which there may be several.
 PLACES = {
     "approach": "lowest places",
-    "max_pressure": "places of highest pressure",
+    "max_pressure": "places of largest pressure",
     "max_stress": "places of largest stress",
 }
 # Numbers that need a criterion of the equivalent stress, and the data of the criterion.
@@ -176,7 +176,7 @@ class Response:
 
     def _missing(self, number: str) -> str:
         if number == "max_pressure":
-            return "the highest pressure is infinite, or constant at a limit: no derivative"
+            return "the largest pressure is infinite, or constant at a limit: no derivative"
         if number == "max_stress":
             return "the stresses are infinite at ends: no derivative"
         if number == "stiffness":

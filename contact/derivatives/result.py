@@ -87,7 +87,7 @@ class Sensitivity(sie.Kept):
 
     Examples
     --------
-    The highest pressure of a cylinder is proportional to the square root of the load.
+    The largest pressure of a cylinder is proportional to the square root of the load.
 
     >>> import contact
     >>> hertz = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1e4)
@@ -320,7 +320,7 @@ class Sensitivity(sie.Kept):
             error = error + weighted.unsure * abs(table_of(weighted.control))
         note = self.note
         if number == "max_pressure" and len(self.linearized.peaks) > 1:
-            note = "several places of highest pressure: the derivatives are those of one of them"
+            note = "several places of largest pressure: the derivatives are those of one of them"
         if number in STRESSES and len(self.linearized.values.max_stress) > 1:
             note = "several places of largest stress: the derivatives are those of one of them"
         return Derivative(value, error, note)

@@ -70,7 +70,7 @@ def drawn(
     """The frame of a solution, with about `points` points in its curves, and as many in a stretch
     of x [m] that is enlarged.
 
-    Its details are `along` (units of x per metre), the lowest and highest pressure of the picture,
+    Its details are `along` (units of x per metre), the lowest and largest pressure of the picture,
     the mean pressure, and the places at which the pressure is infinite.
     """
     lo, hi = window(solution)
@@ -150,11 +150,11 @@ def numbers(frame: Frame, seconds: float) -> list[tuple[str, str]]:
         ("largest pressure", quantity(solution.max_pressure, "Pa")),
         ("approach", quantity(solution.approach, "m", none="")),
         (
-            "in contact",
+            "contact fraction",
             "" if solution.contact_fraction is None else f"{100 * solution.contact_fraction:.4g} %",
         ),
         ("zones", str(zones) if zones else "full contact" if solution.contact_fraction else "none"),
-        ("width of the zones", quantity(float(np.sum(solution.zone_widths)), "m") if zones else ""),
+        ("width in contact", quantity(float(np.sum(solution.zone_widths)), "m") if zones else ""),
         ("E*", quantity(solution.scene.E_star, "Pa")),
         ("solved in", quantity(seconds, "s", 3)),
     ]
@@ -253,7 +253,7 @@ def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[
     )
     if solution.approach is not None:
         return float(solution.approach), float(up[0]), ("approach", "m"), up[1]
-    return float(np.sum(solution.zone_widths)), float(up[0]), ("width of the zones", "m"), up[1]
+    return float(np.sum(solution.zone_widths)), float(up[0]), ("width in contact", "m"), up[1]
 
 
 # A point of a load curve: abscissa, ordinate and, if it is known, the slope of the curve.

@@ -27,7 +27,7 @@ from sie import Array, Complex, Index, Mask, nearest_image, record, wrapped
 class FieldOptions:
     """Options for sampling a contact's fields, and the tolerance of their rates."""
 
-    peak_zones: int = 16  # zones in which the highest pressure is located between samples
+    peak_zones: int = 16  # zones in which the largest pressure is located between samples
     # Distance from the zones, divided by their total span, up to which the gap is sampled closely.
     # Farther out, the samples are spaced logarithmically, up to the span divided by round-off.
     far_from: float = 1e3
@@ -601,9 +601,9 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa]: at samples on all zones, and at maxima between the samples.
+        """Largest pressure [Pa]: at samples on all zones, and at maxima between the samples.
 
-        Maxima between samples are sought on the zones that may have the highest pressure.
+        Maxima between samples are sought on the zones that may have the largest pressure.
         """
         if self._is_infinite:
             return math.inf

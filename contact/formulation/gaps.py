@@ -285,9 +285,9 @@ class GapFields(NoPlateaus, sie.Kept):
 
     @cached_property
     def unit_pressure(self) -> float:
-        """The pressure [Pa] relative to which errors are stated: the peak pressure if finite.
+        """The pressure [Pa] relative to which errors are stated: the largest pressure if finite.
 
-        If the peak pressure is infinite, it is the mean pressure over the contact.
+        If the largest pressure is infinite, it is the mean pressure over the contact.
         """
         if np.isfinite(self.max_pressure):
             return self.max_pressure

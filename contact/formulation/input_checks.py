@@ -14,6 +14,7 @@ from contact.formulation.claims import OPTIONS as CLAIMS
 from contact.formulation.problem import Problem
 from contact.model.profiles.derive import VERDICTS, verdicts
 from contact.model.profiles.noise import EPS
+from contact.model.units import quantity
 from sie import Array
 
 
@@ -64,9 +65,10 @@ def height_rounding(problem: Problem, table: Array) -> str:
     height, width = problem.units.height, 2 * half * problem.units.length
     digits = math.floor(math.log10(max(rise / largest, 1.0)))
     left = f"{digits or 'no'} {'digit is' if digits == 1 else 'digits are'} left"
+    rises, rounded = (quantity(part * height, "m", 2) for part in (rise, largest))
     return (
-        f"the heights of the profile vary by {rise * height:.1e} m over {width:.1e} m of contact, "
-        f"and are rounded to about {largest * height:.1e} m: {left}, as of a small difference of "
+        f"the heights of the profile vary by {rises} over {quantity(width, 'm', 2)} of contact, "
+        f"and are rounded to about {rounded}: {left}, as of a small difference of "
         "large numbers; give the height in a form that keeps them near its lowest place, as "
         "2 sinh(x/2)^2 for cosh(x) - 1"
     )

@@ -122,7 +122,7 @@ class Fields(Protocol):
 
     @property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa]; inf if a sharp corner or a convex kink is in contact."""
+        """Largest pressure [Pa]; inf if a sharp corner or a convex kink is in contact."""
 
     @property
     def pressure_bound(self) -> float:

@@ -109,7 +109,7 @@ class Criterion:
         return np.nan_to_num(self.of(body.stress(x, y, self.lateral, self.nu)), posinf=0.0)
 
     def bound(self, highest: Array, anywhere: float, deep: float) -> Array:
-        """Bound of the equivalent stress at points, from the highest pressures near and overall.
+        """Bound of the equivalent stress at points, from the largest pressures near and overall.
 
         It holds for surfaces without shear. highest: largest pressure near each point; anywhere:
         largest pressure of all; deep: pressure far below the surface.
@@ -243,7 +243,7 @@ class _Samples:
         return x[np.diff(cell, prepend=-np.inf) > 0]
 
     def near(self, x: Array, reach: float) -> Array:
-        """The highest pressure within the distance `reach` of each place."""
+        """The largest pressure within the distance `reach` of each place."""
         at = self.x
         if self.period is not None:
             if 2 * reach >= self.period:

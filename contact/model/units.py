@@ -1,4 +1,8 @@
-"""Numbers for reading: units that people use, with values between 1 and 1000, and text tables."""
+"""Numbers for reading: units that people use, with values between 1 and 1000, and text tables.
+
+Results are shown so, in tables, messages, plans and figures. A message that refuses an input has
+SI units instead, as the input is typed.
+"""
 
 import math
 from collections.abc import Iterable, Sequence

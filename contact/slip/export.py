@@ -114,7 +114,7 @@ def to_xarray(slip: Slip) -> Any:
         slip.shear(data["x"].values),
         {"units": "Pa", "long_name": "traction on body 1 along +x"},
     )
-    for name, label in (("stick", "intervals that stick"), ("slip", "intervals that slip")):
+    for name, label in (("stick", "zones that stick"), ("slip", "zones that slip")):
         table = getattr(slip, f"{name}_zones")
         data[f"{name}_zones"] = ((f"{name}_zone", "end"), table, {"units": "m", "long_name": label})
     numbers = {

@@ -1,6 +1,6 @@
 """Figure of a slip: shear between plus and minus friction times pressure; what sticks is shaded.
 
-If there are many zones, or very narrow ones, a second panel shows those near the highest pressure.
+If there are many zones, or very narrow ones, a second panel shows those near the largest pressure.
 """
 
 from typing import Any
@@ -40,7 +40,7 @@ def plot(slip: Slip) -> Any:
     if close is not None:
         ends = (columns[0].along(end) for end in close)
         axes[0].axvspan(*ends, facecolor=BODY, alpha=0.16, edgecolor="none", zorder=0)
-        axes[1].set_title("around the highest pressure", fontsize=9, color=BODY)
+        axes[1].set_title("around the largest pressure", fontsize=9, color=BODY)
     legend_outside(figure, axes)
     figure.supxlabel(slip.summary, fontsize=8)
     return figure

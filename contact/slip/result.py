@@ -77,12 +77,12 @@ class Slip(sie.Kept):
     shift : float or None
         Tangential displacement of body 2 along +x against body 1, far from the contact [m]. It
         counts from the same place as the approach; None where there is no approach, and in
-        rolling. Its error is at most about 3 error friction p L / E*, with the peak pressure p and
-        the period, or the width from the first to the last zone, L.
+        rolling. Its error is at most about 3 error friction p L / E*, with the largest pressure p
+        and the period, or the width from the first to the last zone, L.
     error : float
         Stated bound of two relative errors: (i) the sum, over `terms`, of the errors of pressures
         at equal normalised positions in corresponding zones, times their factors, divided by
-        friction times the peak pressure (the mean contact pressure where the peak is infinite);
+        friction times the largest pressure (the mean contact pressure where the peak is infinite);
         (ii) that of each end of a zone that sticks, divided by the width of the zone of contact
         around it.
     terms : tuple of Term
@@ -159,8 +159,8 @@ class Slip(sie.Kept):
     def dissipated_error(self) -> float | None:
         """Stated bound of the error of `dissipated` [J/m].
 
-        The error of an approach is about error p w / E*, with the peak pressure p. The width w is
-        the period, or that from the first to the last zone. The largest such error counts.
+        The error of an approach is about error p w / E*, with the largest pressure p. The width w
+        is the period, or that from the first to the last zone. The largest such error counts.
         """
         if self.dissipated is None:
             return None

@@ -126,7 +126,7 @@ def full_contact_solution(
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
     plan.decide("unknowns", "none", "the pressure of full contact has a closed form")
-    # The error is relative to the peak pressure, or to the mean pressure if the peak is infinite.
+    # The error is relative to the largest pressure, or to the mean pressure if that is infinite.
     peak = (
         max(abs(fields.max_pressure), abs(least))
         if math.isfinite(fields.max_pressure)

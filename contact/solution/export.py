@@ -1,8 +1,8 @@
 """Solutions as data: dictionaries, JSON, CSV tables of zones and fields, and netCDF.
 
 All values are in SI units. JSON has no infinity. Therefore quantities that a scene does not define
-(None), and infinite ones such as the peak pressure at a sharp corner, are null. An existing file is
-overwritten only on request.
+(None), and infinite ones such as the largest pressure at a sharp corner, are null. An existing file
+is overwritten only on request.
 """
 
 import csv
@@ -203,7 +203,7 @@ def _fields(solution: Solution) -> dict[str, Any]:
 
 
 def to_xarray(solution: Solution) -> Any:
-    """An xarray.Dataset of the zones, their loads and peak pressures, the fields, and the scene.
+    """An xarray.Dataset of the zones, their loads and largest pressures, the fields, and the scene.
 
     The spacing of the fields' positions is smaller near the ends of zones.
     """
@@ -229,7 +229,7 @@ def to_xarray(solution: Solution) -> Any:
     data["zone_peak"] = (
         "zone",
         np.asarray(solution.zone_peaks),
-        {"units": "Pa", "long_name": "highest pressure of a zone"},
+        {"units": "Pa", "long_name": "largest pressure of a zone"},
     )
     if _has_limit(solution):
         data["plateaus"] = (

@@ -166,7 +166,7 @@ def _pressure_warnings(solution: Solution) -> tuple[str, ...]:
     if solution.fields.pressure_bound <= _LIMITS.highest * scene.E_star:
         return ()
     if math.isfinite(solution.max_pressure):
-        highest, what = solution.max_pressure, "pressure"
+        highest, what = solution.max_pressure, "largest pressure"
     if highest <= _LIMITS.highest * scene.E_star:
         return ()
     message = f"a {what} of {quantity(highest, 'Pa', 3)}, {highest / scene.E_star:.2g} of E*"

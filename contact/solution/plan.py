@@ -60,7 +60,7 @@ class Plan:
     >>> solution.plan["coarse search"].used, solution.plan.tried
     (False, [])
     >>> print(solution.plan.decisions["solver"])
-    closed form, since one symmetric interval of a half-plane needs no coupled system
+    closed form, since one symmetric zone of a half-plane needs no coupled system
     """
 
     parts: list[Part] = field(default_factory=list)

@@ -4,7 +4,7 @@ The profile is drawn where the approach puts it, touching the deformed surface a
 Heights count from the undeformed surface if the displacement is known absolutely. The body is
 above, with its asperities pointing down. The counter-face is below, flat or with heights of its
 own, and carries the displacement of both. If there are many zones, or very narrow ones, a second
-column shows both panels near the highest pressure.
+column shows both panels near the largest pressure.
 
 In a notebook a solution shows as a table of its numbers, with its figure if matplotlib is
 installed.
@@ -104,7 +104,7 @@ def plot(solution: Solution) -> Any:
 
 
 def summary(solution: Solution) -> str:
-    """A line of text: model, load or mean pressure, peak pressure, and contact fraction."""
+    """A line of text: model, load or mean pressure, largest pressure, and contact fraction."""
     scene = solution.scene
     parts = [
         f"{scene.profile.title}, {scene.interaction.name}",
@@ -236,7 +236,7 @@ def _note(axes: Any, text: str, height: float) -> None:
 
 
 def close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | None:
-    """The interval around the highest pressure that a second column of panels enlarges.
+    """The interval around the largest pressure that a second column of panels enlarges.
 
     It is up to six times as wide as the zone there. None if the whole figure shows the zones well
     enough.
@@ -275,7 +275,7 @@ def _mark_close_up(axes: Any, columns: list[Stretch]) -> None:
             transform=panel.get_xaxis_transform(),
             label="_close-up",
         )
-    axes[0, 1].set_title("around the highest pressure", fontsize=9, color=CLOSE)
+    axes[0, 1].set_title("around the largest pressure", fontsize=9, color=CLOSE)
 
 
 def to_html(solution: Solution) -> str:

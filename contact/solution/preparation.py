@@ -17,7 +17,7 @@ from sie import Array
 class Borne(NamedTuple):
     """Share of the load that one body's unmeasured intervals of one kind carry.
 
-    highest: whether one of these intervals contains the highest pressure. where: the intervals of
+    highest: whether one of these intervals contains the largest pressure. where: the intervals of
     this kind that carry load.
     """
 
@@ -31,7 +31,7 @@ class Borne(NamedTuple):
 def preparation_warnings(
     solution: Solution, min_share: float = 0.01, listed: int = 3
 ) -> tuple[str, ...]:
-    """One sentence for each kind of unmeasured interval that bears load or the peak pressure.
+    """One sentence for each kind of unmeasured interval that bears load or the largest pressure.
 
     min_share: smallest fraction of the load that is reported; a short taper carries less at high
     load. listed: number of intervals named in one sentence; the others are counted.
@@ -81,7 +81,7 @@ def _sentence(borne: Borne, listed: int) -> str:
     places = [f"{quantity(left, 'm')} to {quantity(right, 'm')}" for left, right, _ in borne.where]
     more = f" and {len(places) - listed} more" if len(places) > listed else ""
     where = f"x = {', '.join(places[:listed])}{more}"
-    lies = " and the highest pressure lie" if borne.highest else " lies"
+    lies = " and the largest pressure lie" if borne.highest else " lies"
     return f"{share}{lies} in {what}{of} ({where}): {cure}"
 
 

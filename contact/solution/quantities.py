@@ -63,7 +63,7 @@ class Energy:
 
 @dataclass(frozen=True)
 class PeakOptions:
-    """Number of samples in the search for the highest pressure of a zone."""
+    """Number of samples in the search for the largest pressure of a zone."""
 
     # Number of samples for each shortest length of the profile, added to those for a smooth zone.
     # Larger numbers give the same peaks.
@@ -74,7 +74,7 @@ PEAKS = PeakOptions()
 
 
 def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]) -> Array:
-    """The highest pressure of each zone [Pa]; inf for a zone with a convex kink of the profile.
+    """The largest pressure of each zone [Pa]; inf for a zone with a convex kink of the profile.
 
     zones: (n, 2) [m]. pressure_at: pressure [Pa] at normalised positions t of one zone.
     """

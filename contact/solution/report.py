@@ -204,9 +204,22 @@ def zone_columns(
     return columns
 
 
+# Names of numbers in tables, where they differ from the names in Python.
+_LABELS = {
+    "max_pressure": "largest pressure",
+    "total_width": "width in contact",
+    "zone_count": "zones",
+}
+
+
+def label(name: str) -> str:
+    """The name that tables show for a number."""
+    return _LABELS.get(name, name.replace("_", " "))
+
+
 def heading(name: str) -> str:
-    """The name of a number as the head of a column, one word a line."""
-    return name.replace("max_", "largest_").replace("_", "\n")
+    """The name that tables show for a number, in two lines."""
+    return "\n".join(label(name).rsplit(" ", 1))
 
 
 def report(solution: Solution, most: int = 10) -> str:

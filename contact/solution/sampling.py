@@ -92,7 +92,7 @@ def on_zones(x: Array, zones: Array) -> Mask:
 
 
 def top_pressure(solution: Solution) -> float:
-    """The highest pressure [Pa]; if it is infinite, four times the mean pressure on the zones."""
+    """The largest pressure [Pa]; if it is infinite, four times the mean pressure on the zones."""
     if np.isfinite(solution.max_pressure):
         return solution.max_pressure
     return float(4.0 * abs(solution.load) / max(np.sum(solution.zone_widths), 1e-300))
@@ -134,7 +134,7 @@ def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
 
 
 def peak_position(solution: Solution, x: Array, pressure: Array) -> float:
-    """The middle of the zone with the peak pressure; in full contact, the place of the peak."""
+    """The middle of the zone with the largest pressure; in full contact, the place of the peak."""
     # Among peaks that differ only by round-off, the peak nearest to the middle of the positions x
     # is taken.
     highest = x[pressure >= (1.0 - 1e-9) * np.max(pressure)]

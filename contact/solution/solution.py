@@ -44,7 +44,7 @@ _WARNINGS = "contact.solution.model_warnings"
 class Solution(sie.Kept):
     """Zones, fields and numbers of a solved scene, SI units; returned by `contact.solve`.
 
-    The error of each number is stated with it in terms of `error` and p. Here p is the peak
+    The error of each number is stated with it in terms of `error` and p. Here p is the largest
     pressure, or the mean contact pressure where the peak is infinite; see docs/errors.md. A
     quantity that the scene does not define is None.
 
@@ -204,8 +204,8 @@ class Solution(sie.Kept):
     def zone_loads(self) -> Array:
         """Load of each zone (n,) [N/m].
 
-        Its error is at most 3 `error` times the peak pressure times the width of the zone. The sum
-        of these loads is the load to rounding.
+        Its error is at most 3 `error` times the largest pressure times the width of the zone. The
+        sum of these loads is the load to rounding.
         """
         return np.asarray(self.fields.loads[self._order])
 
@@ -232,7 +232,7 @@ class Solution(sie.Kept):
 
     @cached_property
     def zone_peaks(self) -> Array:
-        """Highest pressure of each zone (n,) [Pa]; its error is at most `error` times the peak.
+        """Largest pressure of each zone (n,) [Pa]; its error is at most `error` times the peak.
 
         It is inf at a sharp corner or a convex kink.
         """
@@ -241,7 +241,7 @@ class Solution(sie.Kept):
 
     @property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa]; its relative error is at most `error`.
+        """Largest pressure [Pa]; its relative error is at most `error`.
 
         It is inf at a sharp corner or a convex kink.
         """
@@ -251,7 +251,7 @@ class Solution(sie.Kept):
     def approach(self) -> float | None:
         """Approach of the bodies [m].
 
-        Its error is at most about 3 `error` p L / E*, with the peak pressure p and the period L.
+        Its error is at most about 3 `error` p L / E*, with the largest pressure p and the period L.
 
         None for an isolated punch without a datum.
         """

@@ -20,9 +20,9 @@ from contact.model.registry import interaction, profile
 from contact.model.scene import Scene
 from contact.model.units import headed
 from contact.solution.model_warnings import scene_and_solution_warnings
+from contact.solution.report import heading, total_width
 from contact.solution.solution import Solution
 from contact.solver import solve
-from contact.sweeps.points import total_width
 
 Report = Callable[[str, int, int | None], None]
 Column = tuple[str, list[str]]
@@ -143,22 +143,19 @@ def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
         [
             models,
             column("load", "N/m", attrgetter("load")),
-            column("mean\npressure", "Pa", attrgetter("mean_pressure")),
-            column("max\npressure", "Pa", attrgetter("max_pressure")),
-            column("contact\nfraction", "", attrgetter("contact_fraction")),
-            column("total\nwidth", "m", total_width),
+            column(heading("mean_pressure"), "Pa", attrgetter("mean_pressure")),
+            column(heading("max_pressure"), "Pa", attrgetter("max_pressure")),
+            column(heading("contact_fraction"), "", attrgetter("contact_fraction")),
+            column(heading("total_width"), "m", total_width),
             ("zones", ["-" if count is None else str(count or "full") for count in zones]),
         ],
     )
     yield (
-        "from the exact one, in %, and time",
+        "difference from the exact model, in %, and time",
         [
             models,
             *(
-                (
-                    name.replace("_", "\n"),
-                    [_percent(difference(a, exact, name), "+.3g") for a in attempts],
-                )
+                (heading(name), [_percent(difference(a, exact, name), "+.3g") for a in attempts])
                 for name in _NUMBERS
             ),
             ("zone\nends", [_percent(ends_apart(a, exact)) for a in attempts]),

@@ -105,7 +105,7 @@ def _draw_pressures(axes: Any, solved: dict[str, Solution], styles: Styles) -> N
 
 
 def _draw_differences(axes: Any, attempts: list[Attempt], exact: Solution, styles: Styles) -> None:
-    """Draw the pressure error relative to the exact peak, at sample points of both solutions."""
+    """Draw the pressure error relative to the largest exact one, at sample points of both solutions."""
     column, scale = _stretch(exact), top_pressure(exact)
     lo, hi = column.lo, column.hi
     for attempt in attempts:
@@ -124,7 +124,7 @@ def _draw_differences(axes: Any, attempts: list[Attempt], exact: Solution, style
             line = {"linewidth": 1.2, **styles[attempt.name]}
             axes.plot(column.along(x), shown, label=attempt.name, **line)
     axes.set(yscale="log", xlim=column.limits, xlabel=column.label)
-    axes.set_ylabel("|pressure \N{MINUS SIGN} exact| / peak")
+    axes.set_ylabel("|pressure \N{MINUS SIGN} exact| / largest")
     log_ticks(axes.yaxis)
     axes.grid(axis="y", alpha=0.3)
 

@@ -9,7 +9,7 @@ from contact.solution.solution import Solution
 NUMBERS = {
     "load": ("N/m", "load, per period where there is one"),
     "mean_pressure": ("Pa", "load over the period"),
-    "max_pressure": ("Pa", "highest pressure"),
+    "max_pressure": ("Pa", "largest pressure"),
     "approach": ("m", "approach of the bodies"),
     "contact_fraction": ("1", "width in contact over the period"),
     "total_width": ("m", "width in contact"),

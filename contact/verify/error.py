@@ -24,6 +24,7 @@ from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import located
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.noise import EPS
+from contact.model.units import quantity
 from contact.verify.certificate import Solved
 from sie import Array, record, wrapped
 
@@ -185,11 +186,12 @@ def too_thin(problem: Problem, table: Array) -> str:
     width = float((table[:, 1] - table[:, 0]).max(initial=0.0))
     if not width > TOLERANCES.max_kernel_lengths * kernel.length:
         return ""
+    wide = quantity(width * unit, "m", 3)
+    length = quantity(kernel.length * unit, "m", 2)
     reason = (
-        f"a zone {width * unit:.3g} m wide is {width / kernel.length:.0f} times as wide as the "
-        f"length {kernel.length * unit:.2g} m over which the kernel of {problem.substrate.name} "
-        f"varies, and more than {TOLERANCES.max_kernel_lengths:.0f} times takes too long: ask for "
-        "narrower zones"
+        f"a zone {wide} wide is {width / kernel.length:.0f} times as wide as the length {length} "
+        f"over which the kernel of {problem.substrate.name} varies, and more than "
+        f"{TOLERANCES.max_kernel_lengths:.0f} times takes too long: ask for narrower zones"
     )
     if not problem.operator.compression:
         return reason

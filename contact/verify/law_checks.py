@@ -12,6 +12,7 @@ from contact.formulation.protocol import Fields
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.laws import Law
 from contact.model.plugin_checks.forms import AuthorMethod
+from contact.model.units import quantity
 from contact.verify.certificate import Certificate
 
 
@@ -37,9 +38,8 @@ def _fault(law: Law, fields: Fields, given_load: float | None) -> str:
         return ""
     highest = law.pressure_range.highest
     if np.isfinite(highest) and fields.max_pressure > highest * (1.0 + TOLERANCES.balance):
-        return (
-            f"{law.name}: the pressure reaches {fields.max_pressure:.6g} Pa, above {highest:.6g} Pa"
-        )
+        reached, most = (quantity(value, "Pa", 6) for value in (fields.max_pressure, highest))
+        return f"{law.name}: the pressure reaches {reached}, above {most}"
     load = None if given_load is None else given_load / fields.problem.units.load
     fault = AuthorMethod("law.fault(fields, load)", "law").text(law.fault, fields, load)
     return f"{law.name}: {fault}" if fault else ""

@@ -16,7 +16,7 @@ def solve(profile, interaction, E_star=1.0, tol=1e-10, **control):
 
 
 def unit_pressure(solution):
-    """Peak pressure, or the mean contact pressure where the peak is infinite."""
+    """Largest pressure, or the mean contact pressure where the peak is infinite."""
     if np.isfinite(solution.max_pressure):
         return solution.max_pressure
     return solution.load / float(np.sum(solution.zone_widths))

@@ -166,7 +166,7 @@ def test_spots_about_to_meet_are_not_claimed():
 
 
 def half_space(lattice, load, n=64):
-    """Approach, peak pressure of the paraboloids R = 1, E* = 1 on the full periodic half-space, by
+    """Approach, largest pressure of the paraboloids R = 1, E* = 1 on the periodic half-space, by
     FFT on a grid.
 
     Polonsky & Keer's method with the grid's own Fourier modes; n points along the spacing.
@@ -200,7 +200,7 @@ def half_space(lattice, load, n=64):
     return float(np.mean((u + f)[p > 0]) - np.mean(u)), float(p[0, 0])
 
 
-# a/l at all rings; bounds of the relative error of peak pressure and approach, at 0 rings and at
+# a/l at all rings; bounds of the relative error of largest pressure and approach, at 0 rings and at
 # all of them. The grid is good to some 1e-4. What all rings leave is what varies with the angle:
 # cos 6 phi or cos 4 phi.
 @pytest.mark.parametrize(

@@ -314,7 +314,7 @@ def test_all_members_work_and_survive_a_pickle_and_a_copy():
             x = np.linspace(-1, 1, 33)
             for name in ("pressure", "gap", "displacement"):
                 assert np.array_equal(getattr(again, name)(x), getattr(first, name)(x))
-            assert str(again.plan) == str(first.plan) and "one interval" in str(first.plan)
+            assert str(again.plan) == str(first.plan) and "one zone" in str(first.plan)
             assert again.certificate.to_dict() == first.certificate.to_dict()
 
 

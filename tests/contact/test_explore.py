@@ -195,7 +195,7 @@ def test_a_slider_that_moves_shows_the_solution_of_the_text_beside_it() -> None:
     assert tab.solution.zones == pytest.approx(solution.zones, rel=1e-8)
     for reply in (moved, rest):
         shown = said(reply)
-        assert shown["in contact"] == f"{100 * solution.contact_fraction:.4g} %"
+        assert shown["contact fraction"] == f"{100 * solution.contact_fraction:.4g} %"
         assert shown["largest pressure"] == quantity(solution.max_pressure, "Pa")
     assert said(first)["mean pressure"] == "1.7 GPa" and said(rest)["mean pressure"] == "530 MPa"
     assert rest["fields"].shape[1] > moved["fields"].shape[1]
@@ -460,7 +460,7 @@ def test_every_preset_fits_and_says_what_a_solve_says(
     assert float(now["stated error, at most"]) <= 1e-8 and now["certificate"] == "holds"
     assert now["load"] == quantity(solution.load, "N/m")
     assert now["largest pressure"] == quantity(solution.max_pressure, "Pa")
-    assert now["width of the zones"] == quantity(float(np.sum(solution.zone_widths)), "m")
+    assert now["width in contact"] == quantity(float(np.sum(solution.zone_widths)), "m")
     if solution.approach is not None:
         assert now["approach"] == quantity(solution.approach, "m")
     click(page, 'input[name="below"][value="mises"]')
@@ -495,7 +495,7 @@ def test_a_hand_that_drags_the_load_reads_the_numbers_of_that_load(
     found = contact.solve(scene_from_tables(tomllib.loads(at_rest(page))))
     now = shown(page)
     assert now["mean pressure"] == quantity(found.mean_pressure, "Pa")
-    assert now["in contact"] == f"{100 * found.contact_fraction:.4g} %"
+    assert now["contact fraction"] == f"{100 * found.contact_fraction:.4g} %"
     assert now["largest pressure"] == quantity(found.max_pressure, "Pa")
     label = "document.querySelector('#sliders output').innerText"
     assert page.run(label) == quantity(found.mean_pressure, "Pa")

@@ -122,7 +122,7 @@ def test_frictionless_under_another_name_is_the_same_contact():
 
 @dataclass(frozen=True)
 class Capped(contact.Frictionless):
-    """Frictionless, for bodies that bear no more than a highest pressure [Pa]."""
+    """Frictionless, for bodies that bear no more than a largest pressure [Pa]."""
 
     highest: float = 1.0
     name = "capped"

@@ -260,7 +260,7 @@ def assert_within_what_is_stated(solution, truth):
 
 
 def test_the_highest_of_several_peaks_of_about_one_height_is_found():
-    # The highest sample of all stands on another peak than the highest pressure.
+    # The highest sample of all stands on another peak than the largest pressure.
     rng = np.random.default_rng(14)
     waves = contact.Fourier(1.0, *(1e-3 * rng.normal(size=(2, 20)) * np.arange(1, 21) ** -1.5))
     solution = solved(waves, 0.05)

@@ -253,7 +253,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
         done(f"ends tapered to one height over {by.taper:g} of the length each")
     if length is True:
         length = _measured_length(x, height)
-        history.append(f"period {length:.9g} m, the measured length")
+        history.append(f"period {quantity(length, 'm', 9)}, the measured length")
     doubts = (*holes, *(_doubts(reading, x, height, length) or reading.doubts))
     return Trace(x, height, length, tuple(history), doubts, tuple(stages), (reading, by))
 
@@ -350,7 +350,7 @@ def _refuse_repeated(path: Source, x: Array, lines: NDArray[np.int64]) -> None:
 def _measured_length(x: Array, height: Array) -> float:
     difference = float(height[-1] - height[0])
     if abs(difference) > SAMPLED.same * float(np.ptp(height)):
-        apart = f"they differ by {difference:.3g} m: give taper"
+        apart = f"they differ by {quantity(difference, 'm', 3)}: give taper"
         allowed = f"a number, or true with end heights that agree ({apart})"
         raise SceneError.of("period", True, allowed)
     return float(x[-1] - x[0])
@@ -399,8 +399,8 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
     if pitch is not None:
         moved = x[0] + pitch * np.arange(x.size)
         far = float(np.max(np.abs(moved - x)))
-        note = f"positions taken as even, pitch {pitch:.9g} m: "
-        note += f"rounding explains their shifts (<= {far:.2g} m)"
+        note = f"positions taken as even, pitch {quantity(pitch, 'm', 9)}: "
+        note += f"rounding explains their shifts (<= {quantity(far, 'm', 2)})"
         x = moved
     even = np.linspace(x[0], x[-1], count)
     off = float(np.max(np.abs(even - x))) if count == x.size else np.inf

@@ -193,7 +193,7 @@ def figure_7() -> Figure:
         "neighbour are added.",
         "Solved from scenes; first-order and exact differ from (20)-(24) and (18) by at most "
         f"{max(apart):.1e} of the peak.",
-        f"Peak pressure, first-order against exact: {errors}.",
+        f"Largest pressure, first-order against exact: {errors}.",
     )
     return seen.figure("7", "Pressure on a wave", notes, "2a/L", "p/p*")
 
@@ -238,7 +238,7 @@ def figure_8() -> Figure:
         "Where a model has no entry it has no contact of that width: one wave alone would overlap "
         "the surface at |x| = L/2.",
     )
-    return Figure("8", "Mean and greatest pressure on a wave", notes, columns, draw)
+    return Figure("8", "Mean and largest pressure on a wave", notes, columns, draw)
 
 
 def figure_9() -> Figure:

@@ -194,7 +194,7 @@ class SymmetricZone(PressedBody):
     mean_pressure, contact_fraction : float or None
         P/L [Pa] and 2a/L; None without a period.
     max_pressure : float
-        Peak pressure [Pa]; inf if the profile has a kink or a corner in the zone.
+        Largest pressure [Pa]; inf if the profile has a kink or a corner in the zone.
     approach : float or None
         Approach since first touch [m].
     stiffness, punch_compliance : float or None
@@ -242,7 +242,7 @@ class SymmetricZone(PressedBody):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa], at the middle; inf if there is a kink or a corner in the zone."""
+        """Largest pressure [Pa], at the middle; inf if there is a kink or a corner in the zone."""
         return float(self._pressure(np.array(0.0), np.array(self.half_width)))
 
     def _check(self, *positives: str) -> None:

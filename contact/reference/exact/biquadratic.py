@@ -58,7 +58,7 @@ class IsolatedBiquadratic(PressedBody):
     zones : array, (2, 2) or (1, 2)
         Ends of the zones [m]; `zone_widths` [m] and `zone_loads` [N/m] are (2,) or (1,).
     max_pressure : float
-        Peak pressure [Pa].
+        Largest pressure [Pa].
     approach, stiffness, punch_compliance : float or None
         Approach since the tips touch [m], d load/d approach [Pa], and its inverse [m^2/N]; None
         without a datum.
@@ -147,7 +147,7 @@ class IsolatedBiquadratic(PressedBody):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa].
+        """Largest pressure [Pa].
 
         It is at x^2 = (3b^2 + 2c^2)/6 if there is one zone. For two zones it is at
         x^2 - c^2 = h^2/(c^2 + sqrt(c^4 + 3h^2)), h = (b^2 - a^2)/2.

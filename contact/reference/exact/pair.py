@@ -79,7 +79,7 @@ class EvenPair(Pair):
     load : float
         P of both zones [N/m].
     max_pressure : float
-        Peak pressure [Pa].
+        Largest pressure [Pa].
     pressure, pressure_at, at_angle : callable
         p [Pa] at positions x [m], at t in [-1, 1] of a zone (`pressure_at`), or at angles theta.
 
@@ -178,7 +178,7 @@ class EvenPair(Pair):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]."""
+        """Largest pressure [Pa]."""
         return -least_value(lambda theta: -self.at_angle(theta), 0.0, pi, 2001)
 
 
@@ -301,7 +301,7 @@ class PairRow(Pair):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]."""
+        """Largest pressure [Pa]."""
         return self.pair.max_pressure
 
     def pressure(self, x: ArrayLike) -> Array:
@@ -339,7 +339,7 @@ class PeriodicBiquadratic(PairRow):
     zones : array, (2, 2)
         Ends of the zones [m]; `zone_widths` [m] and `zone_loads` [N/m] are (2,).
     contact_fraction, max_pressure : float
-        2(b - a)/L, and the peak pressure [Pa].
+        2(b - a)/L, and the largest pressure [Pa].
     pair : EvenPair
         The solution in v.
     pressure, pressure_at, slope : callable

@@ -22,7 +22,7 @@ from contact.reference.exact.numerics import Array, cosine, integrated, root, si
 
 @dataclass(frozen=True)
 class _Power(SymmetricZone):
-    """The profile f = C |x|^n, and the search for the peak pressure."""
+    """The profile f = C |x|^n, and the search for the largest pressure."""
 
     coefficient: float
     exponent: float
@@ -40,7 +40,7 @@ class _Power(SymmetricZone):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]: at x = 0 for exponents up to 2, at two places +-x for larger ones."""
+        """Largest pressure [Pa]: at x = 0 for exponents up to 2, at two places beyond."""
         middle = float(self.pressure_at(0.0))
         if self.exponent <= 2.0:
             return middle

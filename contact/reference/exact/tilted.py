@@ -45,7 +45,7 @@ class TiltedZone(PressedBody):
         d load/d approach at a given tilt [Pa], of a flat punch on the same zone, and its inverse
         [m^2/N].
     max_pressure : float
-        Peak pressure [Pa]; inf if there is a corner or a tip in the zone.
+        Largest pressure [Pa]; inf if there is a corner or a tip in the zone.
     zones : array, (1, 2)
         Ends of the zone [m]; `zone_widths` [m] and `zone_loads` [N/m] are (1,).
     pressure, gap, displacement, height, slope : callable
@@ -83,7 +83,7 @@ class TiltedZone(PressedBody):
 
     @property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]; inf if there is a corner or a tip in the zone."""
+        """Largest pressure [Pa]; inf if there is a corner or a tip in the zone."""
         return inf
 
     def _pressure(self, left: Array, right: Array) -> Array:

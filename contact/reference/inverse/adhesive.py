@@ -78,7 +78,7 @@ class AdhesiveDesign(GivenZones):
     intensity : float
         sqrt(E* w/pi) [Pa m^(1/2)].
     max_pressure : float
-        Greatest pressure [Pa].
+        Largest pressure [Pa].
     zone_loads, zone_widths : array, (n,)
         Load [N/m] and width [m] of every zone.
     mean_pressure, contact_fraction : float or None
@@ -277,7 +277,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Greatest pressure [Pa]."""
+        """Largest pressure [Pa]."""
         return self._greatest(1e-6, 257)
 
     @cached_property

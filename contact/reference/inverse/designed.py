@@ -246,7 +246,7 @@ class GivenZones(ExactContact):
         return self.approach - (self.height(x) - self._least_height) + self.gap(x)
 
     def _greatest(self, margin: float, samples: int) -> float:
-        """Greatest pressure [Pa] of all zones, searched over positions cos(phi) in each zone.
+        """Largest pressure [Pa] of all zones, searched over positions cos(phi) in each zone.
 
         The position is normalised to [-1, 1]. The angle phi goes from `margin` to pi - `margin`.
         """
@@ -310,7 +310,7 @@ class DesignedContact(GivenZones):
     profile : DesignedProfile or Fourier
         The profile that has this contact.
     max_pressure : float
-        Peak pressure [Pa].
+        Largest pressure [Pa].
     zone_loads, zone_widths : array, (n,)
         Load [N/m] and width [m] of every zone.
     mean_pressure, contact_fraction : float or None
@@ -425,5 +425,5 @@ class DesignedContact(GivenZones):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Peak pressure [Pa]."""
+        """Largest pressure [Pa]."""
         return self._greatest(0.0, 129)

@@ -106,7 +106,7 @@ class Influence:
     # Displacement per unit of load that comes from the datum in the logarithm. It is added
     # separately, so that the displacement keeps its digits.
     _offset: float = 0.0
-    cap: float = math.inf  # highest pressure that the surface bears
+    cap: float = math.inf  # largest pressure that the surface bears
 
     @classmethod
     def periodic(
@@ -158,7 +158,7 @@ class Response:
 
     periodic: the response is given by the `symbol` and the `compression` of the body. If not
     periodic, the body is alone on the line, with the length `datum` in the logarithm. rest: the
-    kernel minus that of the half-plane. cap: highest pressure that the surface bears.
+    kernel minus that of the half-plane. cap: largest pressure that the surface bears.
     """
 
     E: float
@@ -275,7 +275,7 @@ class GridState:
 
     @property
     def capped(self) -> Mask:
-        """Mask of the grid points at the highest pressure that the surface bears."""
+        """Mask of the grid points at the largest pressure that the surface bears."""
         return np.asarray(self.pressure >= self.influence.cap)
 
     @property

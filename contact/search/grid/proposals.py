@@ -32,7 +32,7 @@ def proposed(
     """Zones of the contact on a grid, as a start for Newton's method.
 
     points: number of points; None: as many as the profile's resolution needs. start: a contact
-    under another load, to begin with. cap: highest pressure that the surface bears [Pa].
+    under another load, to begin with. cap: largest pressure that the surface bears [Pa].
     """
     problem = scaled.problem
     units, profile, by_load = problem.units, problem.profile, control.load is not None

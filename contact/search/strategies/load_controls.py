@@ -17,6 +17,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.controls import Quantity
 from contact.model.profiles.noise import EPS
+from contact.model.units import quantity
 from contact.search.context import SolveContext
 from contact.search.grid.nested_grids import Proposal
 from contact.search.grid.proposals import of_width, placed
@@ -154,7 +155,7 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
         found = _from_solution(context, problem, control, here)
         if not isinstance(found, Failure):
             return found
-        context.record_failure(f"zones under a load of {here.load:.6g} N/m", found)
+        context.record_failure(f"zones under a load of {quantity(here.load, 'N/m', 6)}", found)
         if found.at_border:
             raise context.error(found, problem)
     assert last is not None
@@ -266,8 +267,8 @@ def _raise_if_corner(context: SolveContext, here: Solution) -> None:
         return
     if corner := undeclared_corner(context.scene, here.zones):
         raise NotConverged(
-            f"under {here.load:.6g} N/m the stated error {here.error:.2g} is above the tolerance "
-            f"{context.tol:.2g}: {corner}",
+            f"under {quantity(here.load, 'N/m', 6)} the stated error {here.error:.2g} is above the "
+            f"tolerance {context.tol:.2g}: {corner}",
             (),
             here,
         )

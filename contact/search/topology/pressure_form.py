@@ -14,6 +14,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import parted_at_wide
 from contact.formulation.tolerances import TOLERANCES
+from contact.model.units import quantity
 from contact.search.options import SEARCH
 from contact.search.topology.failure import EXACT, WrongTopology
 from contact.search.topology.intervals import NEW_ZONE, united, without
@@ -105,7 +106,7 @@ class PressureForm:
         if valley is not None:
             length = valley * self.problem.units.length
             raise WrongTopology(
-                f"a gap of about {length:.1e} m over the kink of a valley "
+                f"a gap of about {quantity(length, 'm', 2)} over the kink of a valley "
                 "is too narrow to be found",
                 free,
             )

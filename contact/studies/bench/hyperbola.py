@@ -77,7 +77,7 @@ class IsolatedBluntedWedge(SymmetricZone):
 
     @property
     def max_pressure(self) -> float:
-        """Pressure at x = `rounding`, close to the peak pressure: the scale of errors."""
+        """Pressure at x = `rounding`, close to the largest pressure: the scale of errors."""
         return float(self.pressure_at(self.rounding / self.half_width))
 
     def _pressure(self, r: Array, d: Array) -> Array:

@@ -1,6 +1,6 @@
 """True errors: a solution against an exact one, or one by another formulation.
 
-Both measures are relative to the peak pressure, or to the mean contact pressure if the peak is
+Both measures are relative to the largest pressure, or to the mean contact pressure if the peak is
 infinite. `stated_measure` is what `Solution.error` bounds: errors of pressures at equal normalised
 positions, and of ends relative to widths. `at_places` compares pressures at the same x, which is
 possible for grids too. Pressure grows from an end as a square root, so that an error d of the end
@@ -39,7 +39,7 @@ class Exact(Protocol):
 
 
 def scale(exact: Exact) -> float:
-    """Return the peak pressure, or the mean contact pressure if the peak is infinite."""
+    """Return the largest pressure, or the mean contact pressure if the peak is infinite."""
     if np.isfinite(exact.max_pressure):
         return float(exact.max_pressure)
     return float(exact.load / np.sum(np.diff(exact.zones, axis=1)))
