@@ -25,7 +25,7 @@ def scaled(magnitude: float, unit: str) -> tuple[float, str]:
     """Factor and multiple of a unit that bring a magnitude to between 1 and 1000.
 
     They are 1 and the unit itself for zero, for numbers that are not finite, and for numbers
-    smaller than any multiple. Only multiples that people use are chosen, so that the largest of
+    below a thousandth of the smallest multiple. Only multiples that people use are chosen, so that the largest of
     them may leave values above 1000.
 
     Examples
@@ -38,7 +38,8 @@ def scaled(magnitude: float, unit: str) -> tuple[float, str]:
         return 1.0, unit and known[0]
     # log10(1e-6) may be rounded to slightly below or above -6. The small shift avoids this error.
     power = 3 * math.floor(math.log10(magnitude) / 3.0 + 1e-12)
-    power = min(power, max(known)) if power >= min(known) else 0
+    least, most = min(known), max(known)
+    power = min(max(power, least), most) if power >= least - 3 else 0
     return 10.0**-power, known[power]
 
 
@@ -49,7 +50,19 @@ def quantity(value: float | None, unit: str, digits: int = 4, none: str = "not d
     if not math.isfinite(value):
         return "infinite" if value > 0 else str(value)
     factor, name = scaled(abs(value), unit)
-    return f"{value * factor:.{digits}g} {name}"
+    return f"{rounded(value * factor, digits)} {name}"
+
+
+def rounded(value: float, digits: int) -> str:
+    """A number with so many digits as text, without an exponent from 1e-4 to 1e6.
+
+    Examples
+    --------
+    >>> rounded(267.4, 2), rounded(0.02674, 2), rounded(2.674e8, 2)
+    ('270', '0.027', '2.7e+08')
+    """
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < 1e6 else text
 
 
 def headed(
@@ -79,7 +92,7 @@ def column(
     sizes = [abs(v) for v in (*values, *alike) if v is not None and math.isfinite(v)]
     factor, name = scaled(max(sizes, default=0.0), unit)
     return name, [
-        "-" if v is None else f"{v * factor:.{digits}g}" if math.isfinite(v) else _INFINITE[v > 0]
+        "-" if v is None else rounded(v * factor, digits) if math.isfinite(v) else _INFINITE[v > 0]
         for v in values
     ]
 
@@ -101,8 +114,14 @@ def with_error(value: float, error: float | None, unit: str, most: int = 10) -> 
     digits = most
     if error and value:
         digits = min(max(math.ceil(math.log10(abs(value) / error)) + 1, 2), most)
-    bound = "-" if error is None else f"{error * factor:.2g} {name}".strip() if error else "exact"
-    return f"{value * factor:.{digits}g} {name}".strip(), bound
+    bound = (
+        "-"
+        if error is None
+        else f"{rounded(error * factor, 2)} {name}".strip()
+        if error
+        else "exact"
+    )
+    return f"{rounded(value * factor, digits)} {name}".strip(), bound
 
 
 def text_table(columns: Iterable[tuple[str, Sequence[str]]], words: Iterable[int] = (0,)) -> str:

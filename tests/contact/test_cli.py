@@ -346,7 +346,7 @@ class TestCompare:
     def test_every_neighbour_brings_the_zones_nearer_to_the_exact_ones(self, scene):
         result = run("compare", scene("mean_pressure = 2.6e9"))
         assert result.exit_code == 0, result.output
-        differences = result.stdout.partition("from the exact one")[2].partition("zone ends")[0]
+        differences = result.stdout.partition("from the exact model")[2].partition("zone ends")[0]
         rows = [line.split()[-3] for line in differences.splitlines()[6:] if line.strip()]
         errors = [float(word) for word in rows if word != "-"]
         # Isolated, the zone would reach the border of its cell: no number there.

@@ -31,7 +31,7 @@ export function multiple(size, unit) {
   const known = MULTIPLES[unit] ?? Object.fromEntries(Object.entries(PREFIXES).map(([power, letter]) => [power, letter + unit]));
   if (!unit || !(Number.isFinite(size) && size > 0)) return [1, unit && known[0]];
   const powers = Object.keys(known).map(Number), power = 3 * Math.floor(Math.log10(size) / 3 + 1e-12);
-  const kept = power < Math.min(...powers) ? 0 : Math.min(Math.max(...powers), power);
+  const kept = power < Math.min(...powers) - 3 ? 0 : Math.max(Math.min(...powers), Math.min(Math.max(...powers), power));
   return [10 ** -kept, known[kept]];
 }
 
