@@ -11,15 +11,28 @@ from typing import Any
 import click
 import numpy as np
 
-from contact.commands.options import QUIET, SCENE, TOL, checked, scene_of, values_of
+from contact.commands.options import (
+    QUIET,
+    SCENE,
+    TOL,
+    Outputs,
+    checked,
+    plot_option,
+    scene_of,
+    values_of,
+)
 from contact.commands.trace import show_profile
 from contact.errors import NotConverged, OutOfRange, SceneError
+from contact.extras import require
 from contact.model.units import column, quantity
 from contact.solution.report import label
 from contact.solution.terminal import Progress, show_table
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.keys import BRANCHES
 from contact.sweeps.sweep.run import sweep
+
+# A module that only a sweep with a figure needs.
+_FIGURE = "contact.sweeps.sweep.figure"
 
 
 @click.command("sweep")
@@ -60,6 +73,15 @@ from contact.sweeps.sweep.run import sweep
     help="Of several equilibria under adhesion: by raising, or by lowering the control. "
     "--vary branch=advancing,receding: both.",
 )
+@plot_option("Draw numbers over one key, a line for each value of another.")
+@click.option(
+    "--show",
+    "shown",
+    multiple=True,
+    type=click.Choice(tuple(NUMBERS)),
+    help="A number that is drawn; may be given again.  [default: max_pressure and contact_fraction "
+    "or total_width]",
+)
 @click.option("--overwrite", is_flag=True, help="Write over OUT.nc, and solve all anew.")
 @QUIET
 @TOL
@@ -71,6 +93,8 @@ def sweep_command(
     workers: int | None,
     retry: bool,
     branch: str,
+    figure: Path | None,
+    shown: Sequence[str],
     overwrite: bool,
     quiet: bool,
     tol: float,
@@ -84,6 +108,13 @@ def sweep_command(
     problem = scene_of(scene)
     over = _over(varied)
     checked("--out", out, (".nc",), overwrite=True)
+    pictures = Outputs()
+    if figure is not None:
+        drawing = require(_FIGURE)
+        drawing.check_drawable({key: len(values) for key, values in over.items()})
+        pictures.add_figure(figure, lambda table: drawing.plot_sweep(table, shown))
+    elif shown:
+        raise SceneError.of("--show", ", ".join(shown), "left out without --plot")
     if scheduler is not None and workers is not None:
         raise SceneError.of(
             "--workers", workers, "left out with --scheduler, which has workers of its own"
@@ -108,6 +139,9 @@ def sweep_command(
         _show(table, time.perf_counter() - start)
         click.echo(f"written: {out}")
     _stop_where_nothing_is_solved(table)
+    pictures.write(table)
+    if not quiet:
+        pictures.report()
 
 
 def _over(varied: Sequence[str]) -> dict[str, Any]:

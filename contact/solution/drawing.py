@@ -100,6 +100,14 @@ def unit_of(values: Array, unit: str, log: bool = False) -> tuple[float, str]:
     return shared_unit(unit, float(least), float(sizes.max(initial=0.0)))
 
 
+def is_geometric(values: Array) -> bool:
+    """Whether positive values are nearer to a geometric sequence than to an arithmetic one."""
+    if not np.all(values > 0):
+        return False
+    least, most, middle = values.min(), values.max(), np.median(values)
+    return bool(abs(middle - np.sqrt(least * most)) < abs(middle - 0.5 * (least + most)))
+
+
 def log_ticks(axis: Any) -> None:
     """Ticks of a logarithmic axis: plain numbers, or powers of ten if some would be long.
 

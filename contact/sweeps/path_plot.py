@@ -21,6 +21,7 @@ from contact.solution.drawing import (
     PRESSURE,
     SURFACE,
     finish,
+    is_geometric,
     legend_outside,
     log_ticks,
     panels,
@@ -74,7 +75,7 @@ def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> 
 def _draw(axes: Any, loads: Array, passed: Passed, curve: tuple[str, Array, str]) -> None:
     """Draw a curve, given by the label, values and unit of its ordinate."""
     label, values, unit = curve
-    log = _is_geometric(loads)
+    log = is_geometric(loads)
     log_up = log and bool(np.all(values > 0))
     along, load_unit = unit_of(loads, "N/m", log)
     up, value_unit = unit_of(values, unit, log_up) if unit else (1.0, "")
@@ -129,14 +130,6 @@ def _draw_events(
         )
         for load, _ in marked:
             axes.axvline(load, ymax=height, color=colour, linewidth=0.6, alpha=0.6, zorder=0)
-
-
-def _is_geometric(loads: Array) -> bool:
-    """Whether positive loads are nearer to a geometric sequence than to an arithmetic one."""
-    if not np.all(loads > 0):
-        return False
-    least, most, middle = loads.min(), loads.max(), np.median(loads)
-    return bool(abs(middle - np.sqrt(least * most)) < abs(middle - 0.5 * (least + most)))
 
 
 def _vertices(

@@ -1,0 +1,119 @@
+"""Figure of a sweep: numbers over one varied key, a line for each value of another one.
+
+The abscissa is the key with the most numbers; a key with words is the other one, or is drawn at
+even places. Points that failed are missing.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from contact.errors import SceneError
+from contact.solution.drawing import (
+    SURFACE,
+    finish,
+    is_geometric,
+    legend_outside,
+    log_ticks,
+    panels,
+    ramp,
+    unit_of,
+)
+from contact.sweeps.points import NUMBERS
+from sie import Array
+
+_DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1)), (0, (6, 2, 1, 2)))
+_MARKERS = "os^Dv"
+_NAMES = {"max_pressure": "largest pressure", "zone_count": "number of zones"}
+_DEFAULT = ("max_pressure", "contact_fraction", "total_width")
+
+
+def check_drawable(sizes: Mapping[str, int]) -> None:
+    """Raise SceneError if more than two keys have several values. sizes: of the keys."""
+    several = [key for key, size in sizes.items() if size > 1]
+    if len(several) > 2:
+        allowed = f"left out: {', '.join(several)} have several values, and a figure shows two keys"
+        raise SceneError.of("--plot", "given", allowed)
+
+
+def plot_sweep(table: Any, names: Sequence[str] = ()) -> Any:
+    """A matplotlib figure with a panel for each number.
+
+    table: xarray.Dataset of a sweep. names: of the numbers; by default the largest pressure and
+    the contact fraction, or the width in contact if there is no period.
+    """
+    check_drawable(table.sizes)
+    shown = list(names) or [name for name in _DEFAULT if table[name].notnull().any()][:2]
+    several = [key for key in table.dims if table.sizes[key] > 1] or list(table.dims)[:1]
+    # The abscissa is numeric if a key is.
+    several.sort(key=lambda key: (table[key].dtype.kind in "iuf", table.sizes[key]), reverse=True)
+    across, *others = several
+    fixed = {key: 0 for key in table.dims if key not in several}
+    figure, axes = panels(None, len(shown))
+    for panel, name in zip(axes, shown, strict=True):
+        values = table[name].isel(fixed).transpose(across, *others).values
+        lines = values.reshape(len(table[across]), -1).T
+        _draw(panel, table, (across, *others), name, lines)
+    legend_outside(figure, axes)
+    failed = int(table["failed"].sum())
+    told = [f"{_name(table, key)} {_value(table, key, 0)}" for key in fixed]
+    told += [f"{failed} of {table['failed'].size} points failed"] if failed else []
+    figure.supxlabel(", ".join(told), fontsize=9)
+    return figure
+
+
+def _draw(axes: Any, table: Any, keys: Sequence[str], name: str, lines: Array) -> None:
+    """Draw one number; lines: its values, a row for each value of the second key."""
+    across, *others = keys
+    x, label, log = _abscissa(axes, table, across)
+    known = lines[np.isfinite(lines)]
+    log_up = log and bool(np.all(known > 0.0)) and name != "zone_count"
+    unit = NUMBERS[name][0].removeprefix("1")
+    up, named = unit_of(known, unit, log_up) if unit else (1.0, "")
+    axes.set(xscale="log" if log else "linear", yscale="log" if log_up else "linear")
+    colours = ramp(len(lines)) if others else [SURFACE]
+    for place, (values, colour) in enumerate(zip(lines, colours, strict=True)):
+        style: dict[str, Any] = {"color": colour, "linestyle": _DASHES[place % len(_DASHES)]}
+        marker = _MARKERS[place % len(_MARKERS)]
+        if len(x) <= 30:
+            style |= {"marker": marker, "markersize": 4, "markerfacecolor": "none"}
+        own = f"{_name(table, others[0])} {_value(table, others[0], place)}" if others else None
+        shown = np.where(np.isfinite(values), values, np.nan)
+        axes.plot(x, shown * up, linewidth=1.4, label=own, **style)
+    head = _NAMES.get(name, name.replace("_", " "))
+    axes.grid(alpha=0.25)
+    finish(axes, label, f"{head} [{named}]" if unit else head, legend=False)
+    for axis, is_log in ((axes.xaxis, log), (axes.yaxis, log_up)):
+        if is_log:
+            log_ticks(axis)
+
+
+def _abscissa(axes: Any, table: Any, key: str) -> tuple[Array, str, bool]:
+    """Places along the axis, its label, and whether it is logarithmic."""
+    values = table[key].values
+    if values.dtype.kind not in "iuf":
+        axes.set_xticks(range(len(values)), [str(value) for value in values])
+        return np.arange(len(values), dtype=float), _name(table, key), False
+    log = is_geometric(values)
+    unit = table[key].attrs.get("units", "").removeprefix("1")
+    factor, named = unit_of(values, unit, log) if unit else (1.0, "")
+    name = _name(table, key)
+    return values * factor, f"{name} [{named}]" if unit else name, log
+
+
+def _name(table: Any, key: str) -> str:
+    """The key without its table, if no other key has this name."""
+    short = key.rpartition(".")[2]
+    alone = sum(other.rpartition(".")[2] == short for other in table.dims) == 1
+    return _NAMES.get(short, short.replace("_", " ")) if alone else key
+
+
+def _value(table: Any, key: str, place: int) -> str:
+    """One value of a key as text, in the unit that all its values have."""
+    values = table[key].values
+    if values.dtype.kind not in "iuf":
+        return str(values[place])
+    unit = table[key].attrs.get("units", "").removeprefix("1")
+    factor, named = unit_of(values, unit, is_geometric(values)) if unit else (1.0, "")
+    return f"{values[place] * factor:.4g} {named}".strip()
