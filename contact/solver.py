@@ -219,9 +219,14 @@ def _solved(
 def _of_first_law(
     scene: Scene, tol: float, progress: Progress | None, near: Solution | None
 ) -> Solution | None:
-    """The solution under the law that is tried first, see `Routes.first`; None if there is none."""
-    law = scene.law.routes.first
+    """The solution under the law that is tried first, see `Routes.first`; None if there is none.
+
+    Pressures grow with the load. So above the load of a contact with plateaus it is not the answer.
+    """
+    law, load = scene.law.routes.first, scene.given_load
     if law is None:
+        return None
+    if near is not None and load is not None and load >= near.load and len(near.plateaus):
         return None
     bare = replace(scene, law=law)
     try:

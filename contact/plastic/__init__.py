@@ -5,5 +5,6 @@ grid     the first spots, from a grid with 0 <= p <= H
 fields   the fields, whose zones contain their plateaus
 check    the certificate: signs on elastic intervals, plateaus and gaps
 loop     Newton on the ends, check, correction of the spots
+widths   the load of a given contact fraction or half width
 search   all of it in order
 """

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 from contact.formulation.fields import ZoneFields, moved_ends
 from contact.formulation.quadrature import cuts_between, panels
 from contact.model.profiles.derive import DETAIL
+from contact.model.profiles.noise import EPS
 from contact.plastic.spots import Spots, index_of
-from sie import Array, Mask, record, wrapped
+from sie import Array, Mask, nearest_image, record, wrapped
 
 
 @record
@@ -34,24 +35,29 @@ class PlasticFields(ZoneFields):
     @cached_property
     def true_spots(self) -> Spots:
         """Contacts and plateaus, whose ends at rims are those of the rims' true widths."""
-        zones, spots, period = self.density.zones, self.spots, self.problem.period
+        zones, spots = self.density.zones, self.spots
         if not zones.depth.any():
             return spots
         ends, true = (
-            np.concatenate((zones.middle - half, zones.middle + half))
+            np.array((zones.middle - half, zones.middle + half))
             for half in (zones.half, zones.true_half)
         )
+        shifts = np.where(zones.depth < 0.0, true - ends, 0.0)
+        contacts = spots.contacts + (0.0 if spots.full else self._at_ends(shifts, spots.contacts))
+        plateaus = spots.plateaus + self._at_ends(shifts, spots.plateaus)
+        return Spots(contacts, plateaus, spots.full)
+
+    def _at_ends(self, values: Array, places: Array) -> Array:
+        """Values (2, Z), given at the ends of elastic intervals, at places; 0 where no end lies."""
+        zones, period = self.density.zones, self.problem.period
         ends = np.concatenate((zones.a, zones.b))
-        true = np.where(np.tile(zones.depth, 2) < 0.0, true, ends)
         order = np.argsort(ends)
-
-        def moved(table: Array) -> Array:
-            place = wrapped(table, float(ends[order[0]]), period)
-            i = order[np.minimum(np.searchsorted(ends[order], place), len(ends) - 1)]
-            return np.where(ends[i] == place, table + (true[i] - ends[i]), table)
-
-        contacts = spots.contacts if spots.full else moved(spots.contacts)
-        return Spots(contacts, moved(spots.plateaus), spots.full)
+        near = np.searchsorted(ends[order], wrapped(places, float(ends[order[0]]), period))
+        beside = order[np.array((near - 1, near % len(ends)))]
+        away = np.abs(nearest_image(ends[beside] - places, 0.0, period))
+        nearer = np.where(away[0] < away[1], beside[0], beside[1])
+        same = away.min(axis=0) <= 8 * EPS * np.maximum(1.0, np.abs(places))
+        return np.asarray(np.where(same, values.ravel()[nearer], 0.0))
 
     @property
     def zones(self) -> Array:
@@ -133,19 +139,31 @@ class PlasticFields(ZoneFields):
     def contact_fraction(self) -> float:
         if self.spots.full:
             return 1.0
-        return float(np.diff(self.spots.contacts, axis=1).sum()) / self.problem.repeat_length
+        return float(np.diff(self.zones, axis=1).sum()) / self.problem.repeat_length
+
+    @cached_property
+    def moves(self) -> Array:
+        """Outward motions (2, Z) of the ends of elastic intervals per unit of the scaled load."""
+        return moved_ends(self.state)
 
     @cached_property
     def widening_rate(self) -> float:
-        moves = np.where(self.density.zones.values == 0.0, moved_ends(self.state), 0.0)
+        moves = np.where(self.density.zones.values == 0.0, self.moves, 0.0)
         return float(moves.sum()) / self.problem.repeat_length / self.problem.units.load
 
     @cached_property
     def spreading(self) -> Array:
-        zones, moves = self.density.zones, moved_ends(self.state)
-        free = zones.values == 0.0
-        left, right = moves[0][free[0]], moves[1][free[1]]
-        return np.column_stack((left, right)) * self.problem.units.length * self.density.total
+        return self._spreading(self.spots.contacts, 1.0)
+
+    @cached_property
+    def plateau_spreading(self) -> Array:
+        """Derivatives of the ends of the plateaus by ln(load), outward positive [m] (m, 2)."""
+        return self._spreading(self.spots.plateaus, -1.0)
+
+    def _spreading(self, table: Array, outward: float) -> Array:
+        """Derivatives by ln(load) [m] of the ends of contacts (outward 1) or plateaus (-1)."""
+        moves = self._at_ends(outward * self.moves, table)
+        return moves * self.problem.units.length * self.density.total
 
     @cached_property
     def mean_gap(self) -> float:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from contact.errors import NotConverged
+from contact.model.controls import Quantity
 from contact.plastic.fields import PlasticFields
 from contact.plastic.grid import proposed_spots
 from contact.plastic.loop import NARROW_RIM, PlasticLoop
-from contact.plastic.spots import Spots
+from contact.plastic.spots import Spots, tidied
+from contact.plastic.widths import at_width
 from contact.search.context import SolveContext
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene
@@ -20,6 +22,9 @@ from contact.verify.error import SolvedZones
 
 def found(context: SolveContext) -> SolvedZones:
     """The contact of the context's scene, in which the pressure has reached its limit somewhere."""
+    scene = context.scene
+    if scene.given_load is None and scene.held(Quantity.APPROACH) is None:
+        return at_width(context, _again)
     scaled = scaled_scene(context.scene, context.single)
     failure = Failure("no grid was tried")
     start = context.warm_start
@@ -48,13 +53,22 @@ def found(context: SolveContext) -> SolvedZones:
     raise NotConverged(f"not converged: {failure.reason}")
 
 
+def _again(context: SolveContext, here: Solution) -> SolvedZones | Failure:
+    """The contact under the load of a solution, from this solution."""
+    scaled = scaled_scene(context.scene.under("load", here.load), context.single)
+    return _solved(context, scaled, _placed(scaled, here))
+
+
 def _placed(scaled: ScaledScene, similar: Solution) -> Spots:
     """Contacts and plateaus of a similar solution, in the units of the scene."""
     fields, problem = similar.fields, scaled.problem
     assert isinstance(fields, PlasticFields)
     units = fields.problem.units
-    contacts = placed(problem, units.x(fields.spots.contacts))
-    return Spots(contacts, placed(problem, fields.plateaus), fields.spots.full)
+    contacts, plateaus = (
+        placed(problem, units.x(table)) for table in (fields.spots.contacts, fields.spots.plateaus)
+    )
+    spots = Spots(contacts, plateaus, fields.spots.full)
+    return tidied(spots, problem, rims=False)
 
 
 def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZones | Failure:

@@ -111,6 +111,10 @@ def changed(
 
 
 def _cut(contacts: Array, negative: Array, period: float | None, full: bool) -> Array:
+    if full and period is not None:
+        # The elastic interval over the border of the period lies beyond the contact's row.
+        negative = tables.in_cell(negative, contacts[0, 0], period)
+        negative = tables.ascending(np.concatenate((negative - period, negative)))
     out = without(contacts, negative)
     if full and period is not None and len(out) > 1:
         (first, last), begin = out[[0, -1]], contacts[0, 0]

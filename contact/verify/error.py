@@ -56,6 +56,8 @@ class SolvedZones(Solved):
         )
         follows = ~self.free.narrow_rims
         changes = (ends[:, 0] * by_left + ends[:, 1] * by_right)[follows]
+        # The scale of an end beside a rim is not the rim's width, but that of what is beside it.
+        changes = changes * (self.free.end_scales / (2 * density.zones.half))[follows]
         moved = float(changes.max(initial=0.0)) / peak
         on_zones = (TOLERANCES.singular_end if singular else 1) * (
             self._density_error / peak + TOLERANCES.rounding

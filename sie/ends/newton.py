@@ -278,7 +278,7 @@ class _Search:
         opened = self.equation.open_condition is not None
         scales = end_scales(self.zones, self.equation)
         rest = self.progress.after(self.zones, motion, corners, self.value, opened, scales)
-        if rest.reached and not is_released and not loose:
+        if rest.reached and not is_released and not loose and self._rims_rest(motion):
             return self._converged(state, motion, rest)
         border = domain_limit(self.zones, self.equation, motion.delta)
         if self._is_given_up(state, motion, border):
@@ -286,6 +286,13 @@ class _Search:
             return self._failed(state, motion, rest, reason)
         self.value += motion.change
         return self._moved(state, motion, rest)
+
+    def _rims_rest(self, motion: NewtonStep) -> bool:
+        """Whether the depths of rims stay. Their error times `rims.least_part` is one of places."""
+        if motion.depth is None:
+            return True
+        change = np.abs(motion.depth - self.zones.depth).max()
+        return bool(change <= np.sqrt(self.progress.tolerance))
 
     def _solved(self) -> tuple[AnyState, bool, bool]:
         """(solution, whether it is inexact, whether an end fixed at a limit was set free).

@@ -123,12 +123,13 @@ def without_alternation(
         change = np.log(np.maximum(1 + (left + right) / width, 0.0))
         before = -np.log(np.maximum(1 - last.moves.sum(axis=0) / width, least))
         limited = _less(change, before)
+        deeper = np.minimum(motion.depth + change - limited, 0.0)
     shift = _less(0.5 * (right - left), 0.5 * (last.moves[1] - last.moves[0]))
     wider = 0.5 * width * np.expm1(limited)
     return replace(
         motion,
         delta=np.where(narrow, [wider - shift, wider + shift], motion.delta),
-        depth=np.where(narrow, np.minimum(motion.depth + change - limited, 0.0), 0.0),
+        depth=np.where(narrow, deeper, 0.0),
     )
 
 

@@ -35,15 +35,20 @@ def test_a_cylinder_that_yields_has_the_closed_form():
     assert found.load == pytest.approx(load, rel=1e-13)
     assert found.max_pressure == found.pressure(0.0) == pytest.approx(hardness, rel=1e-14)
     assert found.certificate.holds and found.certificate.smallest_overlap > 0
-    again = solved(contact.Parabola(1.0), hardness, 2.0, ALONE, approach=found.approach)
-    assert again.load == pytest.approx(load, rel=1e-10)
+    for control in {"approach": found.approach}, {"half_width": 1.0}:
+        again = solved(contact.Parabola(1.0), hardness, 2.0, ALONE, **control)
+        assert again.load == pytest.approx(load, rel=1e-10)
 
 
-def test_a_wave_that_yields_has_the_closed_form():
+@pytest.mark.parametrize("control", ["mean_pressure", "contact_fraction", "half_width"])
+def test_a_wave_that_yields_has_the_closed_form(control):
     A, C, peak = 0.9, 0.5, np.pi  # E* = amplitude = period = 1
     k = np.tan(C) / np.tan(A)
     hardness = peak * np.pi * np.sin(A) * np.cos(C) / special.ellipk(k * k)
-    found = solved(contact.Sinusoid(1.0, 1.0), hardness, mean_pressure=0.59267767061 * peak)
+    mean = 0.59267767061 * peak
+    values = {"mean_pressure": mean, "contact_fraction": 2 * A / np.pi, "half_width": A / np.pi}
+    found = solved(contact.Sinusoid(1.0, 1.0), hardness, **{control: values[control]})
+    assert found.mean_pressure == pytest.approx(mean, rel=1e-11)
     np.testing.assert_allclose(found.zones * np.pi, [[-A, A]], rtol=1e-10)
     np.testing.assert_allclose(found.plateaus * np.pi, [[-C, C]], rtol=1e-10)
 
@@ -202,6 +207,22 @@ def test_below_the_limit_the_contact_is_the_elastic_one():
     assert capped.scene.law == contact.Plastic(10.0)
 
 
+@pytest.mark.parametrize("fraction", [0.2, 0.8, 0.97])
+def test_a_contact_fraction_is_that_of_the_load_found(fraction):
+    found = solved(FOUR, 0.5, contact_fraction=fraction, tol=1e-6)
+    exact = solved(FOUR, 0.5, load=found.load)
+    assert exact.contact_fraction == pytest.approx(fraction, rel=found.error)
+    np.testing.assert_allclose(found.zones, exact.zones, atol=found.error)
+    for one in exact, contact.solve(exact.scene.under("load", 0.48)):  # which has no gap
+        again = contact.solve(found.scene, tol=1e-6, near=one)
+        assert again.load == pytest.approx(found.load, rel=1e-6)
+
+
+def test_a_half_width_is_that_of_one_contact_about_the_origin():
+    with pytest.raises(contact.OutOfRange, match="one contact about x = 0"):
+        solved(contact.Biquadratic(1.0, 0.2, period=1.0), 0.02, half_width=0.08, tol=1e-8)
+
+
 def test_a_tip_always_yields():
     found = solved(contact.Wedge(0.1), 0.3, 1.0, contact.Isolated(), load=1.0, tol=1e-8)
     (left, right) = found.plateaus[0]
@@ -232,7 +253,7 @@ REFUSED = [
     (lambda: contact.Plastic(0.0), "hardness"),
     (lambda: solved(FOUR, 0.5, mean_pressure=0.5), "bears less than its hardness"),
     (lambda: solved(contact.Flat(2.0), 1.0, 1.0, ALONE, load=2.0), "bears less than its hardness"),
-    (lambda: solved(FOUR, 0.5, contact_fraction=0.5), "contact_fraction"),
+    (lambda: solved(FOUR, 0.5, contact_fraction=1.0), "below 1 where the pressure reaches"),
     (lambda: solved(FOUR, 0.5, interaction=contact.Localized(), load=0.2), "isolated and periodic"),
     (lambda: solved(contact.Parabola(1.0), 1.0, 1.0, ALONE, load=1.0, tilt=0.1), "plastic"),
 ]
@@ -257,6 +278,11 @@ def test_rims_far_narrower_than_round_off(modulus):
     x = np.array([-0.999, 0.0, 0.5, 1 + 1e-8])
     np.testing.assert_array_equal(found.pressure(x), [hardness, hardness, hardness, 0.0])
     assert found.certificate.holds and found.error < 1e-8
+    # The widths of rims are found anew from a solution that only knows where rims are.
+    scene, rough = found.scene, solved(found.scene.profile, hardness, 2.0, ALONE, 1e-4, load=load)
+    again = contact.solve(scene, tol=1e-8, near=rough)
+    np.testing.assert_allclose(again.plateaus, [[-plateau, plateau]], rtol=1e-8)
+    np.testing.assert_allclose(again.zones, [[-1, 1]], rtol=1e-8)
     if modulus < 1e-3:
         with pytest.raises(contact.SceneError, match="so steep a profile"):
             found.worn()

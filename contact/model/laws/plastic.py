@@ -46,7 +46,6 @@ class Plastic(Law):
     hardness: float
     units = {"hardness": "Pa"}
 
-    allows = ("load", "mean_pressure", "approach")
     convex = True
 
     def __post_init__(self) -> None:

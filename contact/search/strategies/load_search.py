@@ -116,7 +116,8 @@ class _Bracket:
         # Lower and upper bound of the wanted load, from tangents of a quantity that is concave in
         # the load.
         self.tangents = (0.0, math.inf)
-        self.slow_steps = 0
+        # Steps in a row that halved neither the bracket nor the distance from `goal`, `missed`.
+        self.slow_steps, self.missed = 0, math.inf
 
     @property
     def last(self) -> Solution | None:
@@ -147,7 +148,8 @@ class _Bracket:
         self.solutions = [*kept, here]
         width = self.high - self.low
         self.narrow(from_above=not rises)
-        self.slow_steps = 0 if self.high - self.low < 0.5 * width else self.slow_steps + 1
+        halved = self.high - self.low < 0.5 * width or abs(miss) < 0.5 * self.missed
+        self.slow_steps, self.missed = 0 if halved else self.slow_steps + 1, abs(miss)
         tangent = load + miss / rate if rate != 0.0 else math.nan
         if rises:
             self.tangents = (tangent, self.tangents[1])
