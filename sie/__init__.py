@@ -2,11 +2,12 @@
 
 from typing import TYPE_CHECKING, Any
 
-from sie.trees import lazy
+from sie.basis import lazy
 
 if TYPE_CHECKING:
     from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, record, wrapped
     from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
+    from sie.basis.lazy import uncollected
     from sie.basis.zones import (
         BOUNDED,
         FREE,
@@ -50,7 +51,6 @@ if TYPE_CHECKING:
     from sie.solver import NotConverged, Solution, solve
     from sie.states.solve import SingularSystem, solve_fixed
     from sie.states.state import State
-    from sie.trees.lazy import uncollected
     from sie.trees.piecewise import PiecewiseTransform
 
 __all__ = [
@@ -138,7 +138,7 @@ _HOMES = {
     "sie.equation.equation": "CountError Equation",
     "sie.equation.forcing": "Forcing Jumps Resolution",
     "sie.graded.density": "GradedDensity",
-    "sie.trees.lazy": "uncollected",
+    "sie.basis.lazy": "uncollected",
     "sie.trees.piecewise": "PiecewiseTransform",
     "sie.ends.motions": "EndRates end_motions end_rates",
     "sie.ends.newton": "Free find_ends",

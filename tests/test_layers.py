@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[1]
 # room and those to its left only.
 ORDER = {
     "sie": """
-        basis trees jumps equation density dense fast states graded second_kind slits ends results reasons solver
+        loops basis trees jumps equation density dense fast states graded second_kind slits ends results reasons solver
         __init__
     """,
     "contact": """
@@ -33,7 +33,7 @@ ORDER = {
     "contact.search": "options topology grid context feasibility strategies find refine __init__",
 }
 # The only files that import by name: what is heavy, where a scene needs it.
-ON_DEMAND = {"contact.extras", "sie.trees.lazy"}
+ON_DEMAND = {"contact.extras", "sie.basis.lazy"}
 HEAVY = (
     "numba",
     "matplotlib",

@@ -18,13 +18,12 @@ from typing import Any
 
 import numpy as np
 
-from sie.basis import chebyshev
+from sie.basis import chebyshev, lazy
 from sie.basis.data import DIGITS, Array, record
 from sie.basis.interval import Outside, decay_rate
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.dense.system import Layout
-from sie.trees import lazy
 from sie.trees.far import FarSum, Nested
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton

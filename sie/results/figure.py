@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from sie.basis import lazy
 from sie.slits.system import AnyDensity
-from sie.trees import lazy
 
 
 @dataclass(frozen=True)

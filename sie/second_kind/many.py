@@ -22,7 +22,7 @@ from typing import Any, Self
 import numpy as np
 from scipy.linalg import norm
 
-from sie.basis import chebyshev
+from sie.basis import chebyshev, lazy
 from sie.basis.data import DIGITS, EPS, SUM_ROUNDING, Array, Index, record
 from sie.basis.interval import Outside, decay_rate
 from sie.basis.kernels import Kernel
@@ -34,7 +34,6 @@ from sie.equation.equation import Equation
 from sie.fast.iteration import OPTIONS as ITERATION
 from sie.second_kind.system import SecondKindRows, alike, targets_at
 from sie.states.options import THETA
-from sie.trees import lazy
 from sie.trees.far import FarSum, Nested, reaches
 from sie.trees.krylov import gmres
 from sie.trees.panels import panels_over

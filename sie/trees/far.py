@@ -6,12 +6,14 @@ V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension and with C
 place of powers.
 """
 
-from functools import cached_property
+from functools import cached_property, partial
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 
-from sie.basis import chebyshev
-from sie.basis.data import Array, record, sum_error, widened
+from sie.basis import chebyshev, compiled
+from sie.basis.data import Array, Index, record, sum_error, widened
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.sums import OPTIONS as SUMS
@@ -125,6 +127,25 @@ class Nested:
             out[:, tree.parent[here][::2]] = moved[:, ::2] + moved[:, 1::2]
         return out.T
 
+    def upward_by(self, loops: ModuleType, leaves: Array) -> Array:
+        """`upward` by compiled loops, which store no matrices."""
+        moments = np.zeros((len(self.tree), leaves.shape[1]))
+        moments[self.tree.leaves] = leaves
+        loops.upward(self._structure, *self._place, moments)
+        return moments
+
+    def downward_by(
+        self, loops: ModuleType, series: Array, middle: Array
+    ) -> tuple[Array, Array, Array]:
+        """`downward` by compiled loops. The series have the shape (nodes, terms)."""
+        leaves, rest = self.tree.leaves, np.zeros_like(middle)
+        loops.downward(self._structure, *self._place, self.rises, (series, middle, rest))
+        return series[leaves], middle[leaves], rest[leaves]
+
+    @cached_property
+    def _structure(self) -> tuple[Index, Index]:
+        return np.array(self.tree.levels), self.tree.parent
+
     def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
         """Fields on every interval, from the fields given at the nodes of the tree.
 
@@ -205,11 +226,54 @@ class FarSum:
         give half of the digits, an error of 1e-7 of the sum, at a quarter of the time.
         """
         terms = TERMS // 2 if rough else TERMS
+        loops = compiled.loops("tree_sums", len(self.far) * TERMS**2)
+        of = self._by_arrays if loops is None else partial(self._by_loops, loops)
+        series, middle, rest = of(leaves[:, :terms])
+        return widened(series, TERMS), middle, rest
+
+    def _by_loops(self, loops: ModuleType, leaves: Array) -> tuple[Array, Array, Array]:
+        terms, count = leaves.shape[1], len(self.targets.tree)
+        moments = self.sources.upward_by(loops, leaves)
+        doubled = moments * _TWICE[:terms]
+        divided = doubled / np.maximum(np.arange(terms), 1)
+        values, middle = np.zeros((count, terms)), np.zeros(count)
+        compiled.in_threads(
+            loops.far_fields,
+            self._pairs[0] * terms**2,
+            self._pairs,
+            (doubled, divided),
+            np.ascontiguousarray(chebyshev.gauss(terms)),
+            (values, middle),
+        )
+        series = values @ chebyshev.to_series(terms)
+        if self._regular is not None:
+            series[0] += self._regular[0][:terms, :terms] @ moments[0]
+            middle[0] += float(self._regular[1][:terms] @ moments[0])
+        return self.targets.downward_by(loops, series, middle)
+
+    @cached_property
+    def _pairs(self) -> tuple[Any, ...]:
+        """The pairs by their targets, as `far_fields` of the compiled loops takes them."""
+        first = np.flatnonzero(np.diff(self.far.target, prepend=-1))
+        return (
+            np.append(first, len(self.far)),
+            self.far.target[first],
+            self.far.source,
+            self._sign,
+            self._gap,
+            self._half,
+            self._width,
+            self.centre,
+            self.log,
+        )
+
+    def _by_arrays(self, leaves: Array) -> tuple[Array, Array, Array]:
+        terms = leaves.shape[1]
         # The data at the nodes of all pairs are stored only if the sum is computed several times.
         if self.targets.kept and terms not in self._nodes:
             self._nodes[terms] = self._at(terms)
         nodes = self._nodes.get(terms)
-        moments = self.sources.upward(leaves[:, :terms])
+        moments = self.sources.upward(leaves)
         count = len(self.targets.tree)
         values, middle = np.zeros((terms, count)), np.zeros(count)
         moments_twice = np.ascontiguousarray((moments * _TWICE[:terms]).T)
@@ -239,8 +303,7 @@ class FarSum:
         if self._regular is not None:
             series[:, 0] += self._regular[0][:terms, :terms] @ moments[0]
             middle[0] += float(self._regular[1][:terms] @ moments[0])
-        series, middle, rest = self.targets.downward(series, middle)
-        return widened(series, TERMS), middle, rest
+        return self.targets.downward(series, middle)
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:

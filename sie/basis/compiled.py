@@ -1,0 +1,66 @@
+"""Compiled loops (`sie.loops`) for large sums, loaded when they pay, and run in several threads.
+
+numba stores the compiled code on the disk: beside the package or in a folder of the user's, or in
+`NUMBA_CACHE_DIR`. The loops release Python's global lock. They run in ordinary threads that end
+with the sum, so that processes may fork at any time.
+"""
+
+import os
+from collections.abc import Callable
+from functools import cache
+from threading import Thread
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from sie.basis import lazy
+from sie.basis.data import Index
+
+# Number of terms from which on a sum is left to a compiled loop. To load numba and a stored loop
+# takes 0.3 s, and an array operation a nanosecond or more for each term. A solution repeats most
+# sums a hundred times. Insensitive to a factor of four.
+MIN_TERMS = 1 << 22
+# Number of terms from which on a thread of its own pays: some 0.3 ms, to its start of 0.05 ms.
+TERMS_PER_THREAD = 1 << 20
+
+
+def loops(name: str, terms: float) -> ModuleType | None:
+    """The file `name` of `sie.loops`; None for a sum of few terms, or where numba does not work."""
+    return _loaded(name) if terms >= MIN_TERMS else None
+
+
+@cache
+def _loaded(name: str) -> ModuleType | None:
+    try:
+        return lazy.module(f"sie.loops.{name}")
+    except (ImportError, RuntimeError):  # no numba, or no folder in which it could store its code
+        return None
+
+
+def threads() -> int:
+    """Number of threads: that of the usable processors, or `OMP_NUM_THREADS` if that is less."""
+    usable = (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    )
+    asked = os.environ.get("OMP_NUM_THREADS", "")
+    return max(1, min(usable, int(asked))) if asked.isdecimal() else usable
+
+
+def in_threads(loop: Callable[..., None], starts: Index, *arguments: Any) -> None:
+    """Call loop(begin, end, *arguments) on parts of the items, one part in each thread.
+
+    starts (n + 1,): number of terms before each of the n items, and of all terms. The parts have
+    about the same number of terms, and at least `TERMS_PER_THREAD`. A loop writes to its own items only.
+    """
+    count = max(1, min(threads(), int(starts[-1]) // TERMS_PER_THREAD))
+    inner = np.searchsorted(starts, np.linspace(0, starts[-1], count + 1)[1:-1])
+    cuts = [0, *inner.tolist(), len(starts) - 1]
+    parts = [(begin, end) for begin, end in zip(cuts[:-1], cuts[1:], strict=True) if begin < end]
+    others = [Thread(target=loop, args=(*part, *arguments)) for part in parts[1:]]
+    for thread in others:
+        thread.start()
+    if parts:
+        loop(*parts[0], *arguments)
+    for thread in others:
+        thread.join()

@@ -1,0 +1,66 @@
+"""Compiled loops: the numbers of the array operations, whatever the number of threads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import sie
+from sie.basis import compiled
+from sie.trees.far import FarSum, Nested
+from sie.trees.tree import TERMS, Tree
+
+
+@pytest.fixture(params=[1, 2, 3])
+def threads(request, monkeypatch) -> None:
+    """Another number of threads, whatever the processors."""
+    monkeypatch.setattr(compiled, "threads", lambda: request.param)
+    monkeypatch.setattr(compiled, "TERMS_PER_THREAD", 1)
+
+
+def far_fields(count: int, kernel: sie.Kernel, rough: bool) -> list[np.ndarray]:
+    """Fields of random intervals of very unlike widths on each other, without near ones."""
+    rng = np.random.default_rng(5)
+    ends = np.cumsum(rng.uniform(0.1, 1.0, 2 * count) * 10.0 ** rng.uniform(-4, 0, 2 * count))
+    a, b = np.reshape(ends / (1.1 * ends[-1]), (-1, 2)).T
+    nested = Nested(Tree.over(a, b))
+    return list(FarSum(nested, nested, kernel)(rng.normal(size=(count, TERMS)), rough))
+
+
+@pytest.mark.parametrize("rough", [False, True])
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["line", "period"])
+def test_far_fields_are_those_of_arrays(kernel, rough, threads, monkeypatch) -> None:
+    monkeypatch.setattr(compiled, "MIN_TERMS", np.inf)
+    wanted = far_fields(150, kernel, rough)
+    monkeypatch.setattr(compiled, "MIN_TERMS", 0)
+    found = far_fields(150, kernel, rough)
+    for one, other in zip(found[:2], wanted[:2], strict=True):
+        size = np.abs(other).max(axis=-1, keepdims=True)
+        assert np.all(np.abs(one - other) <= 1e-13 * size)
+
+
+@pytest.mark.parametrize("terms", [[], [5], [1, 1, 1], [100, 0, 0, 0, 1], [0, 0, 7, 7]])
+def test_threads_share_all_items(terms, threads) -> None:
+    done = np.zeros(len(terms), dtype=int)
+
+    def loop(begin: int, end: int, at: np.ndarray) -> None:
+        at[begin:end] += 1
+
+    compiled.in_threads(loop, np.concatenate(([0], np.cumsum(terms, dtype=int))), done)
+    assert np.all(done == 1)
+
+
+@pytest.mark.parametrize(("asked", "most"), [("1", 1), ("", 10**6), ("nothing", 10**6)])
+def test_threads_are_as_many_as_asked_for(asked, most, monkeypatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", asked)
+    assert 1 <= compiled.threads() <= most
+
+
+def test_without_numba_sums_are_left_to_arrays(monkeypatch) -> None:
+    def missing(name: str) -> None:
+        raise ImportError(name)
+
+    compiled._loaded.cache_clear()
+    monkeypatch.setattr(compiled.lazy, "module", missing)
+    assert compiled.loops("tree_sums", np.inf) is None
+    compiled._loaded.cache_clear()
