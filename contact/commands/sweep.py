@@ -166,7 +166,8 @@ def _is_word(text: str) -> bool:
 
 
 def _show(table: Any, seconds: float) -> None:
-    known = [(key, table[key].values, table[key].attrs.get("units", "")) for key in table.dims]
+    axes = [table[name] for name in table.dims]
+    known = [(axis.attrs["key"], axis.values, axis.attrs.get("units", "")) for axis in axes]
     show_table(
         "grid",
         ("key", "values", "from to"),

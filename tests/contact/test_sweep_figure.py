@@ -41,7 +41,7 @@ def test_each_panel_has_a_line_of_the_table_for_each_value_of_the_second_key(tab
     ):
         assert axes.get_xscale() == axes.get_yscale() == "log"
         for line, amplitude in zip(axes.get_lines(), GRID["profile.amplitude"], strict=True):
-            values = table[name].sel({"profile.amplitude": amplitude}).values
+            values = table[name].sel(profile_amplitude=amplitude).values
             np.testing.assert_allclose(line.get_ydata(), factor * values, rtol=1e-12)
             np.testing.assert_allclose(line.get_xdata(), 1e-6 * np.array(PRESSURES), rtol=1e-12)
             (low, high), data = axes.get_ylim(), line.get_ydata()

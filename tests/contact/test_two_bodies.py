@@ -381,7 +381,7 @@ def test_a_sweep_goes_over_the_place_of_the_counter_body() -> None:
     )
     shifts = L * np.arange(5) / 8
     table = contact.sweep(pair, {"counter.shift": shifts}, workers=1)
-    assert table["counter.shift"].attrs["units"] == "m"
+    assert table.counter_shift.attrs["units"] == "m"
     exact = np.pi * E / L * np.abs(2e-6 + 1e-6 * np.exp(-2j * np.pi * shifts / L)) * 0.5
     assert table["mean_pressure"].values == pytest.approx(exact, rel=1e-8)
     # Both periods at once, of which one alone would leave no common one.

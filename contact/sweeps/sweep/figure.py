@@ -20,12 +20,12 @@ from contact.solution.drawing import (
     ramp,
     unit_of,
 )
+from contact.solution.report import label
 from contact.sweeps.points import NUMBERS
 from sie import Array
 
 _DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1)), (0, (6, 2, 1, 2)))
 _MARKERS = "os^Dv"
-_NAMES = {"max_pressure": "largest pressure", "zone_count": "number of zones"}
 _DEFAULT = ("max_pressure", "contact_fraction", "total_width")
 
 
@@ -66,7 +66,7 @@ def plot_sweep(table: Any, names: Sequence[str] = ()) -> Any:
 def _draw(axes: Any, table: Any, keys: Sequence[str], name: str, lines: Array) -> None:
     """Draw one number; lines: its values, a row for each value of the second key."""
     across, *others = keys
-    x, label, log = _abscissa(axes, table, across)
+    x, below, log = _abscissa(axes, table, across)
     known = lines[np.isfinite(lines)]
     log_up = log and bool(np.all(known > 0.0)) and name != "zone_count"
     unit = NUMBERS[name][0].removeprefix("1")
@@ -81,9 +81,9 @@ def _draw(axes: Any, table: Any, keys: Sequence[str], name: str, lines: Array) -
         own = f"{_name(table, others[0])} {_value(table, others[0], place)}" if others else None
         shown = np.where(np.isfinite(values), values, np.nan)
         axes.plot(x, shown * up, linewidth=1.4, label=own, **style)
-    head = _NAMES.get(name, name.replace("_", " "))
+    head = label(name)
     axes.grid(alpha=0.25)
-    finish(axes, label, f"{head} [{named}]" if unit else head, legend=False)
+    finish(axes, below, f"{head} [{named}]" if unit else head, legend=False)
     for axis, is_log in ((axes.xaxis, log), (axes.yaxis, log_up)):
         if is_log:
             log_ticks(axis)
@@ -102,11 +102,13 @@ def _abscissa(axes: Any, table: Any, key: str) -> tuple[Array, str, bool]:
     return values * factor, f"{name} [{named}]" if unit else name, log
 
 
-def _name(table: Any, key: str) -> str:
-    """The key without its table, if no other key has this name."""
+def _name(table: Any, dimension: str) -> str:
+    """The key of a dimension without its table, if no other key has this name."""
+    keys = [table[name].attrs["key"] for name in table.dims]
+    key = table[dimension].attrs["key"]
     short = key.rpartition(".")[2]
-    alone = sum(other.rpartition(".")[2] == short for other in table.dims) == 1
-    return _NAMES.get(short, short.replace("_", " ")) if alone else key
+    alone = sum(other.rpartition(".")[2] == short for other in keys) == 1
+    return label(short) if alone else key
 
 
 def _value(table: Any, key: str, place: int) -> str:

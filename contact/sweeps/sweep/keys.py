@@ -2,6 +2,7 @@
 values.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -33,10 +34,20 @@ class Axis:
     unit: str = ""
 
     @property
+    def name(self) -> str:
+        """The key as the name of a dimension: xarray gives "profile_amplitude" as an attribute."""
+        return name_of(self.key)
+
+    @property
     def control(self) -> str:
         """The name of the control that this key varies; "" if the key is no control."""
         table, _, name = self.key.partition(".")
         return name if table == "control" and name not in TURNING else ""
+
+
+def name_of(key: str) -> str:
+    """A key of a scene as the name of a dimension."""
+    return re.sub(r"\W", "_", key)
 
 
 def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:

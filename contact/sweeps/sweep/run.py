@@ -83,7 +83,8 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        Dimensions named after the keys; load, mean_pressure, max_pressure, approach,
+        Dimensions named after the keys with "_" for ".", such as `profile_amplitude`, whose
+        attribute `key` is "profile.amplitude"; load, mean_pressure, max_pressure, approach,
         contact_fraction, total_width, stiffness, mean_gap, zone_count (0 in full contact) and
         error, in SI units, nan for what the scene does not define and where a point failed;
         `failed`, and in words `reason` and `warning`.
@@ -108,7 +109,7 @@ def sweep(
     >>> over = {"profile.amplitude": [1e-6, 2e-6], "control.contact_fraction": [0.2, 0.4, 0.6]}
     >>> table = contact.sweep(wave, over, workers=1)
     >>> dict(table.sizes), bool(table.failed.any())
-    ({'profile.amplitude': 2, 'control.contact_fraction': 3}, False)
+    ({'profile_amplitude': 2, 'control_contact_fraction': 3}, False)
     >>> float((table["load"][1] / table["load"][0]).max().round(6))
     2.0
     """

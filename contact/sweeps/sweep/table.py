@@ -21,7 +21,7 @@ from contact.model.scene import Scene
 from contact.solution.export import is_long, plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
-from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis
+from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, name_of
 from contact.sweeps.sweep.keys import tables as tables_of
 from sie import Mask
 
@@ -68,8 +68,11 @@ class Table:
         )
 
     def to_dataset(self) -> Any:
-        """An xarray.Dataset of the results on the grid, with units."""
-        dims = [axis.key for axis in self.axes]
+        """An xarray.Dataset of the results on the grid, with units.
+
+        A dimension has the name of its key with "_" for "."; its attribute `key` is the key.
+        """
+        dims = [axis.name for axis in self.axes]
         data: dict[str, Any] = {
             name: (
                 dims,
@@ -88,8 +91,7 @@ class Table:
             for name, label in _WORDS.items()
         }
         coordinates = {
-            a.key: (a.key, np.array(a.values), {"units": a.unit} if a.unit else {})
-            for a in self.axes
+            axis.name: (axis.name, np.array(axis.values), _described(axis)) for axis in self.axes
         }
         attributes = {
             "title": "elastic contact over a grid",
@@ -112,16 +114,16 @@ class Table:
     def take_over(self, path: Path) -> None:
         """Read results from a file; SceneError unless the file's scene and points fit this grid."""
         known = _read(path)
-        dims = [axis.key for axis in self.axes]
+        dims = [axis.name for axis in self.axes]
         if sorted(map(str, known.dims)) != sorted(dims):
-            raise self._other(
-                path, f"over {', '.join(map(str, known.dims))}", f"not over {', '.join(dims)}"
-            )
+            there = ", ".join(str(known[name].attrs.get("key", name)) for name in known.dims)
+            here = ", ".join(axis.key for axis in self.axes)
+            raise self._other(path, f"over {there}", f"not over {here}")
         self._same_scene(path, json.loads(known.attrs["scene"]))
         known = known.transpose(*dims)
         places = []
         for axis in self.axes:
-            there = known[axis.key].values.tolist()
+            there = known[axis.name].values.tolist()
             for value in there:
                 if value not in axis.values:
                     raise self._other(
@@ -153,10 +155,17 @@ class Table:
         return SceneError.of("out", str(path), allowed)
 
 
+def _described(axis: Axis) -> dict[str, str]:
+    """Attributes of the coordinate of an axis."""
+    described = {"key": axis.key, "long_name": axis.key}
+    return {**described, "units": axis.unit} if axis.unit else described
+
+
 def _read(path: Path) -> Any:
     try:
         with require("xarray").open_dataset(path, engine="h5netcdf") as opened:
-            known = opened.load()
+            # Files of earlier versions have the keys themselves as names.
+            known = opened.rename({name: name_of(str(name)) for name in opened.dims}).load()
         missing = {*NUMBERS, *_WORDS, "failed"} - set(known.data_vars) or {"scene"} - set(
             known.attrs
         )
