@@ -17,7 +17,7 @@ def main():
         scene = contact.Scene(profile, E_star=7e10, interaction=contact.Periodic(), mean_pressure=mean_pressure)
         solution = contact.solve(scene)
         share = solution.zone_loads / solution.load
-        print(f"{mean_pressure:.0e} Pa: {len(solution.zones)} zones, stiffness {solution.stiffness:.4g} N/m^2")
+        print(f"{mean_pressure:.0e} Pa: {len(solution.zones)} zones, stiffness {solution.stiffness / 1e9:.4g} kN/mm^2")
         for (left, right), part in zip(1e6 * solution.zones, share, strict=True):
             print(f"    {left:9.3f} ... {right:9.3f} um carries {100 * part:6.2f} %")
         assert np.isclose(share.sum(), 1.0)

@@ -14,11 +14,11 @@ COUNTER = contact.Fourier(period=L, cosine=[-0.566e-6, -0.142e-6, 0.063e-6, 0.03
 
 def main():
     solutions = []
-    print(f"{'shift [um]':>10}{'zones':>6}{'contact':>9}{'peak [MPa]':>12}{'room [nm]':>11}{'error':>9}")
+    print(f"{'shift [um]':>10}{'zones':>6}{'contact':>9}{'largest p [MPa]':>17}{'room [nm]':>11}{'error':>9}")
     for shift in np.linspace(0, L / 2, 9):
         pair = contact.Combined(BODY, COUNTER, shift=shift)
         solution = contact.solve(contact.Scene(pair, 1.1e11, contact.Periodic(), mean_pressure=1e8), tol=1e-9)
-        told = f"{1e6 * shift:10.2f}{len(solution.zones):6}{solution.contact_fraction:9.4f}{solution.max_pressure / 1e6:12.2f}"
+        told = f"{1e6 * shift:10.2f}{len(solution.zones):6}{solution.contact_fraction:9.4f}{solution.max_pressure / 1e6:17.2f}"
         print(f"{told}{1e9 * solution.mean_gap:11.2f}{solution.error:9.0e}")
         solutions.append(solution)
     return solutions

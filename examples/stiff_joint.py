@@ -23,6 +23,6 @@ def main():
         solution = contact.solve(best.scene)
         print(
             f"H = {hardness / 1e6:.0f} MPa: waves {np.round(1e6 * best.data['profile.cosine'], 4)} um, stiffness "
-            f"{solution.stiffness:.4g} N/m^2, largest pressure {solution.max_pressure / 1e6:.1f} MPa"
+            f"{solution.stiffness / 1e9:.4g} kN/mm^2, largest pressure {solution.max_pressure / 1e6:.1f} MPa"
         )
     return best

@@ -18,15 +18,15 @@ TEXTURES = {
 
 def main():
     solutions = {}
-    print(f"{'':14}{'pressure':>9}{'zones':>6}{'contact':>9}{'peak [MPa]':>12}{'stiffness [TPa/m]':>19}{'room [nm]':>11}{'error':>9}")
+    print(f"{'':14}{'pressure':>9}{'zones':>6}{'contact':>9}{'largest p [MPa]':>17}{'stiffness [MPa/um]':>19}{'room [nm]':>11}{'error':>9}")
     for name, profile in TEXTURES.items():
         for pressure in (1e7, 1e8, 5e8):
             scene = contact.Scene(profile, 1.1e11, contact.Periodic(), mean_pressure=pressure)
             solution = solutions[name, pressure] = contact.solve(scene, tol=1e-9)
             room = "infinite" if np.isinf(solution.mean_gap) else f"{1e9 * solution.mean_gap:.2f}"
-            peak, stiffness = solution.max_pressure / 1e6, solution.stiffness / L / 1e12
+            largest, stiffness = solution.max_pressure / 1e6, solution.stiffness / L / 1e12
             told = f"{name:14}{pressure / 1e6:5.0f} MPa{len(solution.zones):6}{solution.contact_fraction:9.4f}"
-            print(f"{told}{peak:12.2f}{stiffness:19.2f}{room:>11}{solution.error:9.0e}")
+            print(f"{told}{largest:17.2f}{stiffness:19.2f}{room:>11}{solution.error:9.0e}")
     return solutions
 
 

@@ -174,8 +174,10 @@ def show_profile(profile: Profile) -> None:
     pair = len(profile.bodies) > 1
     if pair:
         rows = [
-            (place, str(table["shape"]), _parameters(table))
-            for place, table in profile.tables().items()
+            (place, str(table["shape"]), _parameters(table, {**profile.units, **body.units}))
+            for (place, table), body in zip(
+                profile.tables().items(), profile.bodies.values(), strict=True
+            )
         ]
         show_table(
             "two bodies",
@@ -191,13 +193,21 @@ def show_profile(profile: Profile) -> None:
             )
 
 
-def _parameters(table: Mapping[str, Any]) -> str:
+def _parameters(table: Mapping[str, Any], units: Mapping[str, str]) -> str:
     """The parameters of a body as text; a list of numbers is given by its length only."""
     given = {key: value for key, value in table.items() if key != "shape" and value is not None}
     return ", ".join(
-        f"{key} {len(value)} numbers" if np.ndim(value) else f"{key} = {value}"
+        f"{key} {len(value)} numbers"
+        if np.ndim(value)
+        else f"{key} {_value(value, units.get(key))}"
         for key, value in given.items()
     )
+
+
+def _value(value: Any, unit: str | None) -> str:
+    """One parameter as text; a number has its unit, if that is known."""
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return quantity(value, unit, 6) if unit and number else str(value)
 
 
 def _together(profile: Profile) -> str:

@@ -44,7 +44,7 @@ def numbers(slip: Slip) -> Iterator[Row]:
     for name, table in (("stick zones", slip.stick_zones), ("slip zones", slip.slip_zones)):
         width = float(np.diff(table).sum())
         yield name, f"{len(table)}, {quantity(width, 'm', 7)} in total" if width else "0", ""
-    yield "relative error", "", f"{slip.error:.2g}"
+    yield "stated error", "", f"{slip.error:.2g}"
 
 
 def zone_columns(slip: Slip, most: int = 10) -> list[tuple[str, list[str]]]:

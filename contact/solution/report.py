@@ -145,7 +145,7 @@ def _counts(solution: Solution) -> Iterator[Row]:
     if solution.branch is not None:
         yield "branch", solution.branch, ""
     yield "certificate", "holds" if solution.certificate.holds else "fails", ""
-    yield "relative error", "", f"{solution.error:.2g}"
+    yield "stated error", "", f"{solution.error:.2g}"
 
 
 def zone_count(solution: Solution) -> str:

@@ -58,7 +58,7 @@ def test_a_solution_prints_as_a_table_with_units_and_errors(name):
     value, error = rows["load"]
     assert re.fullmatch(r"[\d.]+ k?N/m?m", value) or solution.load == 0
     assert (error == "given") == (SCENES[name].given_load is not None)
-    assert rows["relative error"][-1] == f"{solution.error:.2g}"
+    assert rows["stated error"][-1] == f"{solution.error:.2g}"
     assert OWN.get(name, "largest pressure") in str(solution)
     assert "None" not in str(solution) and "nan" not in str(solution)
 
