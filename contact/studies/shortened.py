@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 Row = tuple[str, ...]
 
+STIFF = 10.0  # groups below this condition number lose at most one digit
 UNITS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
 
 
@@ -97,6 +98,20 @@ def slow_scenes(cells: Cells) -> Cells:
         place = next(k for k, row in enumerate(rows) if row == cells.rows[slowest])
         rows[place] = (f"slowest of {len(fast)} below 1 ms: {rows[place][0]}", *rows[place][1:])
     return cells._replace(rows=rows)
+
+
+def stiff_groups(cells: Cells) -> Cells:
+    """Short form of the groups of extreme scenes: without groups that pass and are not stiff."""
+    rows = [
+        row
+        for row in cells.rows
+        if not re.fullmatch(r"\d+ pass", row[1]) or not _number(row[3]) < STIFF
+    ]
+    return cells._replace(rows=rows)
+
+
+def _number(cell: str) -> float:
+    return float(cell) if re.match(r"\d", cell) else math.inf
 
 
 def sentence(start: str, between: str) -> Callable[[Cells], Cells]:
@@ -184,6 +199,8 @@ SHORT: dict[str, Callable[[Cells], Cells]] = {
     "scaling": columns("series", "zones", "nodes", "time", "time grows as"),
     "self-affine": columns("kmax", "zones", "time [s]", "peak memory [GB]", "stated error"),
     "stated": sentence("Counts of runs: ", ", "),
-    "stability": columns("scenes", "outcome", "condition", "its origin", "error"),
+    "stability": in_turn(
+        stiff_groups, columns("scenes", "outcome", "condition", "its origin", "error")
+    ),
     "stability-exceptions": columns("scene", "outcome"),
 }

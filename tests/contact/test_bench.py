@@ -448,6 +448,16 @@ class TestPages:
         short = shortened.slow_scenes(shortened.Cells(("scene", "time"), rows, []))
         assert short.rows == [("b", "2 ms"), ("slowest of 2 below 1 ms: c", "95 µs"), ("d", "3 s")]
 
+    def test_groups_that_pass_and_are_not_stiff_are_left_out(self):
+        groups = [
+            ("a", "2 pass", "one", "1.0e+00"),
+            ("b", "2 pass", "one", "1.0e+02"),
+            ("c", "1 pass, 1 FAIL", "one", "1.0e+00"),
+            ("d", "1 FAIL", "-", "-"),
+        ]
+        cells = shortened.Cells(("scenes", "outcome", "worst", "condition"), groups, [])
+        assert [row[0] for row in shortened.stiff_groups(cells).rows] == ["b", "c", "d"]
+
     def test_the_machine_is_one_line(self, tmp_path):
         table = report.Table("machine", "", ("what", ""), [("threads", "1"), ("numpy", "2.4")])
         text = report.markdown(table) + "\nMade at commit 1.\n"
