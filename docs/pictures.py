@@ -1,5 +1,7 @@
 """Runs the examples and keeps what they show: python docs/pictures.py [NAME ...].
 
+Pictures of pages are drawn, too: docs/images/NAME.png for images/NAME.
+
 Of each script of `examples` and `examples/engine`, and of each scene file, it writes a picture of
 the solutions, docs/gallery/NAME.png, and the printed text, docs/gallery/NAME.txt. The site is built
 from scripts, pictures and texts (docs/gallery.py).
@@ -11,8 +13,8 @@ import contextlib
 import importlib.util
 import io
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,14 +25,24 @@ import sie
 from contact.extras import require
 from contact.model.registry import parameters
 from contact.model.units import quantity, scaled
-from contact.solution.sampling import positions, surfaces, window
-from contact.solution.stress_plot import plot_stress
+from contact.solution.drawing import inner_ticks, legend_outside, new_figure, shared_unit, stretches
+from contact.solution.plotting import Heights, draw_pressure, draw_surfaces, mark_close_up, summary
+from contact.solution.sampling import positions, window
+from contact.solution.stress_plot import columns_of, draw_stress, label_of, plot_stress, top_stress
 from contact.solution.stress_report import stress_report
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
 KEPT = ROOT / "docs" / "gallery"
 
+_DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (6, 2)),
+    (0, (2, 1)),
+    (0, (6, 2, 1, 2)),
+    (0, (8, 1)),
+    (0, (1, 1)),
+)
 _COLOURS = ("#1f5a92", "#b3261e", "#3d7a4a", "#8a5a00", "#6a3d8a", "#444444")
 
 
@@ -107,41 +119,73 @@ def _distinct(solutions: list[contact.Solution]) -> list[contact.Solution]:
 def of_contact(solutions: list[contact.Solution]) -> Any:
     """A figure: the surfaces of the last solution above, the pressures of all below."""
     shown = _distinct(solutions)
-    figure = require("matplotlib.figure").Figure(figsize=(6.0, 4.2), layout="constrained")
-    top, bottom = figure.subplots(2, 1, sharex=True)
-    lo, hi = min(window(one)[0] for one in shown), max(window(one)[1] for one in shown)
-    along, unit = scaled(max(abs(lo), abs(hi)), "m")
     last = shown[-1]
-    x = positions(last, *window(last))
-    surface, body = (np.where(np.isfinite(side), side, np.nan) for side in surfaces(last, x))
-    reach = float(np.nanmax(np.append(body, surface)) - np.nanmin(np.append(body, surface)))
-    up, high = scaled(reach, "m")
-    top.plot(x * along, body * up, color="#7a7a7a", lw=1.0)
-    top.plot(x * along, surface * up, color="#1f5a92", lw=1.4)
-    top.set_ylabel(f"height [{high}]")
-    peaks = [
+    if len(shown) == 1:
+        return last.plot()
+    figure = new_figure(6.4, 5.0)
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    ends = [window(one) for one in shown]
+    whole, own = stretches((min(lo for lo, _ in ends), max(hi for _, hi in ends)), window(last))
+    heights = Heights.of(last, own)
+    draw_surfaces(top, last, own, (heights, *shared_unit("m", heights.size)), marked=False)
+    highest = max(
         one.max_pressure
         if np.isfinite(one.max_pressure)
         else 3.0 * abs(one.load) / one.zone_widths.sum()
         for one in shown
-    ]
-    push, size = scaled(max(peaks), "Pa")
-    for one, colour in zip(shown, _COLOURS, strict=False):
+    )
+    up, unit = scaled(highest, "Pa")
+    lowest = 0.0
+    labels = _labels(shown)
+    for one, label, colour, dashes in zip(shown, labels, _COLOURS, _DASHES, strict=False):
         x = positions(one, *window(one))
-        pressure = np.clip(one.pressure(x), -max(peaks), 1.5 * max(peaks))
-        bottom.plot(x * along, pressure * push, color=colour, lw=1.2, label=_label(one, shown))
-    bottom.set(ylabel=f"pressure [{size}]", xlabel=f"x [{unit}]", xlim=(lo * along, hi * along))
-    bottom.set_ylim(top=1.08 * max(peaks) * push)
-    bottom.legend(fontsize=7, frameon=False)
+        pressure = np.clip(one.pressure(x), -highest, 1.5 * highest)
+        lowest = min(lowest, float(pressure.min()))
+        line = {"color": colour, "linestyle": dashes, "lw": 1.3, "label": label}
+        bottom.plot(whole.along(x), pressure * up, **line)
+    bottom.set(ylabel=f"pressure [{unit}]", xlabel=whole.label, xlim=whole.limits)
+    bottom.set_ylim(1.08 * lowest * up, 1.08 * highest * up)
+    for axes in (top, bottom):
+        inner_ticks(axes)
+    if len({repr(one.scene) for one in shown}) > 1:
+        top.set_title(f"surfaces: {labels[-1]}", fontsize=8, loc="left")
+    # Entries of a legend stand side by side as far as the figure is wide.
+    legend_outside(figure, (bottom,), columns=max(1, 72 // (8 + max(map(len, labels)))))
     return figure
+
+
+def _labels(shown: list[contact.Solution]) -> list[str]:
+    """Return a label for each solution; no two are equal."""
+    found = [_label(one, shown) for one in shown]
+    for differing in (
+        lambda one: one.scene.law.name,
+        lambda one: f"modulus {quantity(one.scene.E_star, 'Pa')}",
+        _shape_of(shown),
+    ):
+        if len(set(found)) == len(found):
+            break
+        parts = [differing(one) for one in shown]
+        if len(set(parts)) > 1:
+            found = [f"{label}, {part}" for label, part in zip(found, parts, strict=True)]
+    return found
+
+
+def _shape_of(shown: list[contact.Solution]) -> Callable[[contact.Solution], str]:
+    """Return a function that numbers the profiles of solutions."""
+    known = list(dict.fromkeys(repr(one.scene.profile) for one in shown))
+    return lambda one: f"shape {1 + known.index(repr(one.scene.profile))}"
 
 
 def _label(one: contact.Solution, shown: list[contact.Solution]) -> str:
     """Return a label that distinguishes a scene from the others."""
     if len({repr(other.scene.interaction) for other in shown}) > 1:
-        return f"{one.scene.interaction}".replace("closure=", "").replace("neighbours=", "")
+        model = one.scene.interaction
+        given = {name: value for name, value in parameters(model).items() if value is not None}
+        parts = [v if isinstance(v, str) else f"{name} {v:g}" for name, v in given.items()]
+        return ", ".join((model.name or type(model).__name__, *parts))
     laws = [parameters(other.scene.law) for other in shown]
-    for name, value in parameters(one.scene.law).items():
+    alike = len({other.scene.law.name for other in shown}) == 1
+    for name, value in parameters(one.scene.law).items() if alike else ():
         if len({other.get(name) for other in laws}) > 1:
             return f"{name} {value:g}"
     if len({other.moment for other in shown}) > 1 and one.scene.moment is not None:
@@ -179,7 +223,7 @@ def _varied(shown: list[contact.Solution]) -> list[tuple[str, str]]:
 
 def of_engine(found: list[sie.Solution]) -> Any:
     """A figure of the densities of the last solutions on their intervals."""
-    figure = require("matplotlib.figure").Figure(figsize=(6.0, 3.2), layout="constrained")
+    figure = new_figure(6.0, 3.2)
     axes = figure.subplots()
     t = np.sin(np.linspace(-0.5, 0.5, 301) * np.pi)
     top = low = 0.0
@@ -193,6 +237,67 @@ def of_engine(found: list[sie.Solution]) -> Any:
     axes.axhline(0.0, color="black", lw=0.5)
     axes.set(xlabel="x", ylabel="density", ylim=(max(low, -top) - 0.02 * top, top))
     return figure
+
+
+def of_limited_trace(hardness: float = 6e9) -> Any:
+    """A figure of the stylus trace under a limit of the pressure: all of it on the left, and the
+    pressure and the stress below the spike with the largest stress on the right.
+    """
+    scene = replace(contact.load_scene(EXAMPLES / "stylus.toml"), law=contact.Plastic(hardness))
+    solution, show = contact.solve(scene, tol=1e-6), "mises"
+    report = stress_report(solution)
+    whole, spike = columns_of(report, show)
+    figure = new_figure(10.2, 5.0)
+    grid = figure.add_gridspec(2, 2, width_ratios=[1.35, 1.0], height_ratios=[1.0, 1.0])
+    trace, pressure = (figure.add_subplot(grid[row, 0]) for row in range(2))
+    above, below = (figure.add_subplot(grid[row, 1]) for row in range(2))
+    heights = Heights.of(solution, whole.along)
+    draw_surfaces(
+        trace, solution, whole.along, (heights, *shared_unit("m", heights.size)), marked=False
+    )
+    trace.set_title("a measured trace, and the flat below it", fontsize=9)
+    draw_pressure(pressure, solution, whole.along)
+    draw_pressure(above, solution, spike.along)
+    above.set_title("one spike: pressure, and stress below it", fontsize=9)
+    field = spike.field(report, show)
+    top = top_stress(report, show, [field])
+    shading = draw_stress(below, report, show, field, (spike, top))
+    figure.colorbar(shading, ax=below, pad=0.01, format="%.3g").set_label(label_of(show, top))
+    for axes, column in ((trace, whole), (pressure, whole), (above, spike)):
+        axes.set_xlim(column.along.limits)
+        inner_ticks(axes)
+    for axes in (trace, above):
+        axes.tick_params(labelbottom=False)
+    mark_close_up((trace, pressure), whole.along, spike.along)
+    pressure.set_xlabel(whole.along.label)
+    legend_outside(figure, (trace, above))
+    figure.supxlabel(summary(solution), fontsize=9)
+    return figure
+
+
+def of_path() -> Any:
+    """A figure of a load path with births, mergers and full contact."""
+    profile = contact.Fourier(1e-4, cosine=[-1e-6, 0.3e-6, 0.25e-6], sine=[0.2e-6])
+    scene = contact.Scene(profile, 1.1e11, contact.Periodic(), load=1.0)
+    return contact.path(scene, np.linspace(1e4, 7e5, 24)).plot()
+
+
+def _stresses(name: str, show: str, strength: float | None = None) -> Any:
+    solution = contact.solve(contact.load_scene(EXAMPLES / f"{name}.toml"))
+    return plot_stress(stress_report(solution, strength=strength), show)
+
+
+# Pictures of pages, docs/images/NAME.png, by the name with its folder; each with its resolution.
+PAGES: dict[str, tuple[Callable[[], Any], int]] = {
+    "images/limited": (of_limited_trace, 200),
+    "images/stylus": (
+        lambda: contact.solve(contact.load_scene(EXAMPLES / "stylus.toml")).plot(),
+        200,
+    ),
+    "images/inside": (lambda: _stresses("stylus", "mises", 2e9), 100),
+    "images/fringes": (lambda: _stresses("wave", "fringes"), 90),
+    "images/curve": (of_path, 130),
+}
 
 
 def numbers(solution: contact.Solution) -> str:
@@ -242,7 +347,11 @@ def keep(name: str, file: Path, folder: Path = KEPT) -> None:
 
 
 if __name__ == "__main__":
-    wanted = sys.argv[1:] or list(scripts())
-    for name in wanted:
-        keep(name, scripts()[name])
-        print(f"written: {KEPT / name}.png, .txt")
+    for name in sys.argv[1:] or [*scripts(), *PAGES]:
+        if name in PAGES:
+            draw, dpi = PAGES[name]
+            save(draw(), ROOT / "docs" / f"{name}.png", dpi)
+            print(f"written: docs/{name}.png")
+        else:
+            keep(name, scripts()[name])
+            print(f"written: {KEPT / name}.png, .txt")

@@ -165,5 +165,5 @@ def test_with_an_address_of_its_source_the_readme_of_an_index_leads_there() -> N
         f"[Quick start]({at}/docs/quickstart.md)" in shown
         and f"]({at}/docs/theory.md#errata)" in shown
     )
-    assert f"](https://example.org/x/raw/v{PROJECT['version']}/docs/images/stylus.png)" in shown
+    assert f"](https://example.org/x/raw/v{PROJECT['version']}/docs/images/limited.png)" in shown
     assert "tar.gz" not in shown

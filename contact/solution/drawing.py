@@ -83,7 +83,8 @@ def stretches(*intervals: tuple[float, float]) -> list[Stretch]:
         middle, half = 0.5 * (lo + hi), 0.5 * (hi - lo)
         far = abs(middle) > 10.0 ** (FIGURE.max_digits - 1) * half
         found.append((lo, hi, middle if far else 0.0))
-    factor, unit = shared_unit("m", *(max(abs(lo - at), abs(hi - at)) for lo, hi, at in found))
+    sizes = (min(max(abs(lo - at), abs(hi - at)), hi - lo) for lo, hi, at in found)
+    factor, unit = shared_unit("m", *sizes)
     return [Stretch(*one, factor, unit) for one in found]
 
 

@@ -14,7 +14,7 @@ import base64
 import io
 from collections.abc import Callable, Iterable, Sequence
 from html import escape
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -50,12 +50,18 @@ from sie import Array, record
 
 
 @record
-class _Heights:
+class Heights:
     """Heights [m] of the deformed surface and of the body at positions x [m]."""
 
     x: Array
     surface: Array
     body: Array
+
+    @classmethod
+    def of(cls, solution: Solution, column: Stretch) -> Self:
+        """Heights over an interval."""
+        x = positions(solution, column.lo, column.hi, POINTS.screen_points)
+        return cls(x, *surfaces(solution, x))
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -80,14 +86,11 @@ def plot(solution: Solution) -> Any:
     figure = new_figure(7.2 if close is None else 10.2, 5.4)
     ratios = [1.0] if close is None else [1.55, 1.0]
     axes = figure.subplots(2, len(columns), sharex="col", squeeze=False, width_ratios=ratios)
-    heights = []
-    for column in columns:
-        x = positions(solution, column.lo, column.hi, POINTS.screen_points)
-        heights.append(_Heights(x, *surfaces(solution, x)))
+    heights = [Heights.of(solution, column) for column in columns]
     up = shared_unit("m", *(one.size for one in heights))
     for (top, bottom), column, one in zip(axes.T, columns, heights, strict=True):
         marked = close is not None and column is columns[0]
-        _draw_surfaces(top, solution, column, (one, *up), marked)
+        draw_surfaces(top, solution, column, (one, *up), marked)
         draw_pressure(bottom, solution, column)
         bottom.set(xlabel=column.label, xlim=column.limits)
         bottom.locator_params(axis="x", nbins=6)
@@ -97,7 +100,8 @@ def plot(solution: Solution) -> Any:
             for left, right in column.along(zones) if len(zones) <= FIGURE.max_zones else ():
                 panel.axvspan(left, right, facecolor=ZONE, alpha=0.18, edgecolor="none", zorder=0)
     if close is not None:
-        _mark_close_up(axes, columns)
+        mark_close_up(axes[:, 0], *columns)
+        axes[0, 1].set_title("around the largest pressure", fontsize=9, color=CLOSE)
     legend_outside(figure, axes[:, 0])
     figure.supxlabel(summary(solution), fontsize=9)
     return figure
@@ -127,10 +131,14 @@ def summary(solution: Solution) -> str:
     return ",  ".join(parts)
 
 
-def _draw_surfaces(
-    axes: Any, solution: Solution, column: Stretch, drawn: tuple[_Heights, float, str], marked: bool
+def draw_surfaces(
+    axes: Any, solution: Solution, column: Stretch, drawn: tuple[Heights, float, str], marked: bool
 ) -> None:
-    """Draw both surfaces; marked: whether a pointer to a close-up stands above them."""
+    """Draw both surfaces.
+
+    drawn: heights, with factor and unit of the axis; marked: whether a pointer to a close-up
+    stands above them.
+    """
     heights, up, unit = drawn
     seen, below = np.isfinite(heights.body), np.isfinite(heights.surface)
     low, high = heights.limits
@@ -255,14 +263,13 @@ def close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | 
     return middle - reach, middle + reach
 
 
-def _mark_close_up(axes: Any, columns: list[Stretch]) -> None:
-    """Mark, in the first column of panels, the interval that the second column enlarges.
+def mark_close_up(panels: Iterable[Any], whole: Stretch, close: Stretch) -> None:
+    """Mark, in panels of a whole interval, the part of it that other panels enlarge.
 
-    The pointer shows the interval even if it is no wider than the line of the peak in it.
+    The pointer shows the part even if it is no wider than the line of the peak in it.
     """
-    whole, close = columns
     lo, hi = whole.along(close.lo), whole.along(close.hi)
-    for panel in axes[:, 0]:
+    for panel in panels:
         panel.axvspan(lo, hi, facecolor=CLOSE, alpha=0.16, edgecolor="none", zorder=0)
         panel.plot(
             0.5 * (lo + hi),
@@ -275,7 +282,6 @@ def _mark_close_up(axes: Any, columns: list[Stretch]) -> None:
             transform=panel.get_xaxis_transform(),
             label="_close-up",
         )
-    axes[0, 1].set_title("around the largest pressure", fontsize=9, color=CLOSE)
 
 
 def to_html(solution: Solution) -> str:

@@ -25,12 +25,14 @@ from contact.solution.drawing import (
     outlined,
     stretches,
 )
-from contact.solution.plotting import draw_pressure, summary
+from contact.solution.plotting import draw_pressure, mark_close_up, summary
 from contact.solution.sampling import window, zones_within
 from contact.solution.solution import Solution
 from contact.solution.stress_report import StressReport, depth_of, grid
 from sie import Array, record
 
+# Places (n,) [m], depths (m,) [m] and stresses (m, n) [Pa].
+Field = tuple[Array, Array, Array]
 SHOWN = ("shear", "mises", "fringes")
 
 
@@ -51,7 +53,7 @@ _NAMES = {"shear": r"$\tau_\mathrm{max}$", "mises": r"von Mises stress", "fringe
 
 
 @record
-class _Column:
+class Column:
     """A column of panels over an interval, down to the depth `below` [m].
 
     above: where a logarithmic depth begins [m]; 0 if the depth is not logarithmic.
@@ -61,11 +63,12 @@ class _Column:
     below: float
     above: float = 0.0
 
-    def field(self, report: StressReport) -> tuple[Array, Array, Any]:
-        """Places x (n,) [m], depths y (m,) [m] and the stresses (m, n) at these points."""
+    def field(self, report: StressReport, show: str) -> Field:
+        """Places x (n,) [m], depths y (m,) [m] and what is shown (m, n) at these points [Pa]."""
         lo, hi = self.along.lo, self.along.hi
         if not self.above:
-            return grid(report, lo, hi, self.below)
+            x, y, stress = grid(report, lo, hi, self.below)
+            return x, y, _value(report, stress, show)
         zones = zones_within(report.solution, lo, hi)
         some = zones[np.argsort(zones[:, 0] - zones[:, 1])[: OPTIONS.zones]]
         wide = np.diff(some, axis=1)
@@ -73,7 +76,7 @@ class _Column:
         x = np.union1d(np.linspace(lo, hi, OPTIONS.zones), near.ravel())
         x = x[(x >= lo) & (x <= hi)]
         y = np.geomspace(self.above, self.below, 80)
-        return x, y, report.stress(x, y[:, None])
+        return x, y, _value(report, report.stress(x, y[:, None]), show)
 
 
 def plot_stress(report: StressReport, show: str = "shear") -> Any:
@@ -81,7 +84,7 @@ def plot_stress(report: StressReport, show: str = "shear") -> Any:
 
     show: "shear" for the largest shear stress in the plane, "mises", or "fringes".
     """
-    columns = _columns(report, show)
+    columns = columns_of(report, show)
     lo, hi = columns[0].along.lo, columns[0].along.hi
     ratio = 0.45 if len(columns) > 1 else columns[0].below / (hi - lo)
     wide = 6.4 if len(columns) == 1 else 10.6
@@ -89,43 +92,41 @@ def plot_stress(report: StressReport, show: str = "shear") -> Any:
     axes = figure.subplots(
         2, len(columns), squeeze=False, sharex="col", height_ratios=[1.2, 5.2 * ratio]
     )
-    drawn = [column.field(report) for column in columns]
-    values = [_value(report, stress, show) for *_, stress in drawn]
-    top, shading = _top(report, show, values), None
-    for pair, column, (x, y, _), value in zip(axes.T, columns, drawn, values, strict=True):
+    fields = [column.field(report, show) for column in columns]
+    top, shading = top_stress(report, show, fields), None
+    for pair, column, field in zip(axes.T, columns, fields, strict=True):
         draw_pressure(pair[0], report.solution, column.along, "$p$")
         inner_ticks(pair[0])
-        shading = _draw_stress(pair[1], report, show, (x, y, value), (column, top))
+        shading = draw_stress(pair[1], report, show, field, (column, top))
     if shading is not None:
         bar = figure.colorbar(shading, ax=list(axes.ravel()), pad=0.01, aspect=30, format="%.3g")
-        bar.set_label(f"{_NAMES[show]} [{scaled(top, 'Pa')[1]}]")
+        bar.set_label(label_of(show, top))
     if len(columns) > 1:
         axes[0, 1].set_title("around the largest stress", fontsize=9, color=CLOSE)
-        whole, close = (column.along for column in columns)
-        ends = whole.along(close.lo), whole.along(close.hi)
-        axes[0, 0].axvspan(*ends, color=CLOSE, alpha=0.3, lw=1)
+        mark_close_up(axes[:1, 0], *(column.along for column in columns))
     legend_outside(figure, axes[0], "lower")
     figure.suptitle(_title(report, show), fontsize=9)
     return figure
 
 
-def _columns(report: StressReport, show: str) -> list[_Column]:
+def columns_of(report: StressReport, show: str) -> list[Column]:
+    """One column, or the whole and the surroundings of the largest stress if these are small."""
     solution = report.solution
     lo, hi = window(solution)
     below = depth_of(solution, lo, hi)
     peak, zones = _peak(report, show), zones_within(solution, lo, hi)
     if peak is None or len(solution.zones) == 0:
-        return [_Column(stretches((lo, hi))[0], below)]
+        return [Column(stretches((lo, hi))[0], below)]
     at = _image(peak.x, lo, hi, solution)
     away = np.maximum(np.maximum(zones[:, 0] - at, at - zones[:, 1]), 0.0)
     width = float(np.diff(zones, axis=1)[np.argmin(away), 0])
     # Below a smooth peak of pressure, the largest stress is as deep as a third of the peak's width.
     size = min(width, 3.0 * peak.y) if peak.y > 0 else width
     if size > 2.0 * FIGURE.min_visible * (hi - lo):
-        return [_Column(stretches((lo, hi))[0], below)]
+        return [Column(stretches((lo, hi))[0], below)]
     reach = OPTIONS.reach * size
     whole, close = stretches((lo, hi), (at - reach, at + reach))
-    return [_Column(whole, 0.5 * (hi - lo), above=0.1 * size), _Column(close, 0.9 * reach)]
+    return [Column(whole, 0.5 * (hi - lo), above=0.1 * size), Column(close, 0.9 * reach)]
 
 
 def _image(place: float, lo: float, hi: float, solution: Solution) -> float:
@@ -145,22 +146,27 @@ def _peak(report: StressReport, show: str) -> Any:
     return report.mises if show == "mises" else report.shear
 
 
-def _top(report: StressReport, show: str, values: list[Array]) -> float:
-    """The stress of the highest contour [Pa]."""
+def top_stress(report: StressReport, show: str, fields: list[Field]) -> float:
+    """The stress of the highest contour [Pa]; fields: of all columns."""
     peak = _peak(report, show)
     if peak is not None and peak.stress > 0:
         return float(peak.stress)
-    return max(float(np.nanquantile(value, OPTIONS.singular_part)) for value in values) or 1.0
+    parts = (float(np.nanquantile(value, OPTIONS.singular_part)) for *_, value in fields)
+    return max(parts) or 1.0
 
 
-def _draw_stress(
-    axes: Any,
-    report: StressReport,
-    show: str,
-    field: tuple[Array, Array, Array],
-    frame: tuple[_Column, float],
+def label_of(show: str, top: float) -> str:
+    """Name and unit of what is shown, if its highest contour is `top` [Pa]."""
+    return f"{_NAMES[show]} [{scaled(top, 'Pa')[1]}]"
+
+
+def draw_stress(
+    axes: Any, report: StressReport, show: str, field: Field, frame: tuple[Column, float]
 ) -> Any:
-    """Draw the stresses; returns the filled contours, or None for fringes."""
+    """Draw the stresses in a column whose highest contour is given; returns the filled contours.
+
+    None for fringes.
+    """
     (x, y, value), (column, top) = field, frame
     along, scale = column.along, scaled(top, "Pa")[0]
     places, depths, shading = along.along(x), y * along.factor, None
@@ -175,8 +181,10 @@ def _draw_stress(
             axes.contour(
                 places, depths, value * scale, levels[1:-1], colors="black", linewidths=0.3
             )
-        if report.strength is not None and show == report.criterion:
-            _draw_strength(axes, (places, depths, value), report.strength, bool(column.above))
+            if report.strength is not None and show == report.criterion:
+                line = {"colors": "white", "linewidths": 1.6, "linestyles": "--"}
+                yielded = axes.contour(places, depths, value, [report.strength], **line)
+                yielded.set(path_effects=outlined(1.6))
     zones = zones_within(report.solution, float(x[0]), float(x[-1]))
     left, right = along.along(zones.T)
     line = {"lw": 3.0, "clip_on": False, "zorder": 5}
@@ -207,15 +215,6 @@ def _levels(top: float) -> Array:
     locator = require("matplotlib.ticker").MaxNLocator(OPTIONS.levels, steps=[1, 2, 2.5, 5, 10])
     levels = np.asarray(locator.tick_values(0.0, top))
     return levels[levels >= 0.0]
-
-
-def _draw_strength(
-    axes: Any, field: tuple[Array, Array, Array], strength: float, thin: bool
-) -> None:
-    """Draw the line on which the stress is the strength."""
-    wide = 0.8 if thin else 1.6
-    line = axes.contour(*field, [strength], colors="white", linewidths=wide, linestyles="--")
-    line.set(path_effects=outlined(wide))
 
 
 def place_of(x: float, y: float) -> float:
