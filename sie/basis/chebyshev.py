@@ -28,7 +28,7 @@ def angles(n: int) -> Array:
 
 @lru_cache(maxsize=64)
 def lobatto(n: int) -> tuple[Array, Array, Array]:
-    """(t, 1 - t, 1 + t) for t = cos(`angles(n)`), without cancellation in 1 - t and 1 + t."""
+    """(t, 1 - t, 1 + t) at the ends and at the n zeros t of U_n, computed without cancellation."""
     theta = angles(n)
     right = 2 * np.sin(theta / 2) ** 2
     left = right[::-1].copy()
@@ -40,7 +40,7 @@ def lobatto(n: int) -> tuple[Array, Array, Array]:
 
 @lru_cache(maxsize=64)
 def _sine_matrix(n: int) -> Array:
-    """The matrix from values at the n zeros of U_n to coefficients (see `u_coefficients`)."""
+    """Matrix from a function's values at the n zeros of U_n to its coefficients of U_{k-1}."""
     k = np.arange(1, n + 1)
     # Whole turns are removed from the angles k theta in integer arithmetic. Otherwise the round-off
     # of these angles would grow with k.
@@ -66,7 +66,7 @@ def u_coefficients(values: Array) -> Array:
 
 
 def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
-    """Coefficients of U_k for functions on moved zones, from coefficients g before the move.
+    """Coefficients of U_k on zones after a move, from the coefficients g on the zones before it.
 
     The function on a zone is sum g_k U_{k-1}(shift + stretch t), t the coordinate of the moved
     zone; all tables are (zones, n). Outside (-1, 1) the old series grows without bound. Places
@@ -92,7 +92,7 @@ def u_values(g: Array, t: Array) -> Array:
 
 
 def project_rows(values: Array) -> Array:
-    """Coefficients (see `u_coefficients`) from node values along the first axis of a table."""
+    """Coefficients g_k of U_{k-1} of each column of a table of values at the zeros of U_n."""
     return u_coefficients(values.T).T
 
 
@@ -116,13 +116,13 @@ def gauss(n: int) -> Array:
 
 
 def gauss_sides(n: int) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) at the n Gauss nodes t, computed without cancellation."""
+    """(1 + t, 1 - t) at the n zeros t of T_n (Gauss nodes), computed without cancellation."""
     half = (np.arange(n) + 0.5) * (0.5 * np.pi / n)
     return 2 * np.cos(half) ** 2, 2 * np.sin(half) ** 2
 
 
 def t_matrix(n: int, count: int) -> Array:
-    """Matrix (n, count) of Chebyshev's T_l, l = 0 ... count - 1, at the n Gauss nodes."""
+    """Values of T_l (columns l = 0 ... count - 1) at the n zeros of T_n (rows)."""
     return (_t_matrix if n * count <= OPTIONS.cache_pairs else _t_matrix.__wrapped__)(n, count)
 
 
@@ -136,14 +136,14 @@ def _t_matrix(n: int, count: int) -> Array:
 
 @lru_cache(maxsize=8)
 def to_series(n: int) -> Array:
-    """Matrix M with values @ M = coefficients of T_l, for values at the n Gauss nodes."""
+    """Matrix M: values @ M are the coefficients of T_l, for values at the n zeros of T_n."""
     out = t_matrix(n, n) * (2 / n)
     out[:, 0] *= 0.5
     return out
 
 
 def t_values(c: Array, n: int) -> Array:
-    """Values of the series sum c_l T_l at the n Gauss nodes; c has the shape (..., count <= n)."""
+    """Values of sum c_l T_l at the n zeros of T_n; c has the shape (..., count), count <= n."""
     if n * c.shape[-1] <= OPTIONS.cache_pairs:
         return np.asarray(c @ t_matrix(n, c.shape[-1]).T)
     halved = 0.5 * c
@@ -164,7 +164,7 @@ def t_means(values: Array, count: int | None = None) -> Array:
 
 
 def edge_part(c: Array) -> tuple[Array, Array]:
-    """The coefficients (alpha, beta) of a density's part (alpha + beta t) / sqrt(1 - t^2)."""
+    """(alpha, beta) of the part (alpha + beta t) / sqrt(1 - t^2) of sum c_j T_j / sqrt(1 - t^2)."""
     return c[:, ::2].sum(axis=1), c[:, 1::2].sum(axis=1)
 
 

@@ -16,7 +16,8 @@ from scipy.special import zeta
 from sie.basis.data import Array
 from sie.basis.kernels import Kernel, is_hilbert
 
-# Terms of Clausen's series: at |u| = 1/2 they fall as 4^(-k), below round-off from the 26th on.
+# Number of terms of the series for Clausen's integral. At |u| = 1/2 they fall as 4^(-k), so that
+# they are below round-off from the 26th on.
 _TERMS = 26
 
 
@@ -27,7 +28,10 @@ def _series() -> Array:
 
 
 def potential_primitive(kernel: Kernel, lag: Array) -> Array:
-    """The antiderivative of the potential at lags (any shape); ValueError for a user's kernel."""
+    """Antiderivative, by the lag x - xi, of the potential of a kernel without a user's part.
+
+    Raise ValueError for a kernel with a regular part that a user defines. The lags have any shape.
+    """
     if is_hilbert(kernel):
         assert kernel.period is not None
         u = lag / kernel.period

@@ -34,26 +34,29 @@ OWN_SIZES = np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(
 class ModeOptions:
     """Limits of the numbers of nodes and modes of zones, and tolerances for choosing them."""
 
-    # Largest number of nodes of a zone. A zone whose last coefficients have nearly decayed may have
-    # more nodes, as long as the table of all zones has at most `memory_pairs` numbers.
+    # Largest number of nodes at which the right side is sampled on a zone. A zone whose last
+    # Chebyshev coefficients have nearly decayed may have more nodes, as long as the table of all
+    # zones has at most `memory_pairs` numbers.
     max_nodes: int = 8192
-    # Last coefficients below this fraction of the largest one have nearly decayed. If 1.5 times as
-    # many modes do not halve them, they are noise: a kernel even as rough as |x - xi| would more
-    # than halve them.
+    # Chebyshev coefficients on a zone have nearly decayed if the last ones are below this fraction
+    # of the largest one. If 1.5 times as many modes do not halve such small coefficients, they are
+    # noise: even for a kernel as rough as |x - xi| they would be more than halved.
     nearly_decayed: float = 1e-5
     # First number of nodes of a zone. A zone begins with more nodes if the right side is singular
-    # close to the zone. `first_nodes` is also the number of leading coefficients from which the
-    # size of the jumps' series is taken.
+    # close to the zone. The size of the subtracted jumps of the right side is also taken from this
+    # number of their first coefficients.
     first_nodes: int = 16
-    # The decay of a zone's coefficients is judged only if the zone has at least this number of
-    # nodes for each jump.
+    # The decay of the right side's coefficients on a zone is judged only if the zone has at least
+    # this number of nodes for each jump of the right side.
     nodes_per_piece: int = 4
-    # Largest number of modes of a zone that are coupled to other zones. For a regular kernel that
-    # needs more modes, the last of `COUPLED_SIZES` applies instead. A gap next to which a zone
-    # would need more modes becomes a slit if the gap's ends are free (`sie.slits`). Zones next to a
-    # gap with a fixed end get graded coordinates (`sie.graded`).
+    # Largest number of modes of a zone that enter the linear system for all zones. For a regular
+    # kernel that needs more modes, the last of `COUPLED_SIZES` applies instead. If a zone beside a
+    # narrow gap would need more modes, the gap is treated as a cut inside one wide zone
+    # (`sie.slits`), provided that the gap's ends are free. Zones next to a gap with a fixed end get
+    # graded coordinates (`sie.graded`).
     max_modes: int = 768
-    # If the matrix would have more entries than this, motions of ends are found by iteration.
+    # If the matrix of the linear system would have more entries than this, the rates at which a
+    # solution changes with the positions of the ends are found by iteration.
     max_matrix_numbers: float = 4e7
     # First number of modes of a zone, divided by sqrt(half width / L). L is the length over which
     # the kernel's regular part varies. The square root suffices, because the density varies over L
@@ -68,12 +71,12 @@ COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 1
 
 
 def most(kernel: Kernel) -> int:
-    """Largest number of modes of a zone that are coupled to other zones, for the given kernel."""
+    """Largest number of modes of a zone that enter the linear system, for the given kernel."""
     return OPTIONS.max_modes if np.isinf(kernel.length) else int(COUPLED_SIZES[-1])
 
 
 def enough(kernel: Kernel, tolerance: float) -> float:
-    """Size to which the regular part's coefficients must decay, relative to the largest one.
+    """Relative size to which the Chebyshev coefficients of the kernel's regular part must decay.
 
     If `kernel.length` is declared, the coefficients decay exponentially, so that a lower level
     costs little. The lower level is needed if the regular part nearly cancels the poles, since the
@@ -84,7 +87,7 @@ def enough(kernel: Kernel, tolerance: float) -> float:
 
 @record
 class Growth:
-    """Decay of the other zones' field on each zone, in solves with more and more modes.
+    """Last coefficients of the other zones' field on each zone, for growing numbers of modes.
 
     m: numbers of modes of the last solution (Z,); tails: sizes of the field's last coefficients
     with the last three numbers of modes, the newest last (3, Z); floor: noise of a user's
@@ -97,7 +100,7 @@ class Growth:
 
     @classmethod
     def first(cls, m: Index, tails: Array) -> "Growth":
-        """The `Growth` after the first solution; it has m modes and last coefficients `tails`."""
+        """The `Growth` after the first solution (m modes, last coefficients `tails`)."""
         return cls(
             m, np.array([np.full(len(m), np.inf), np.full(len(m), np.inf), tails]), np.zeros(len(m))
         )
@@ -111,10 +114,10 @@ class Growth:
             return Growth.first(m, tails)
         grew = m > self.m
         kept = np.where(grew, self.tails[1:], self.tails[:2])
-        # Only zones with more modes than the right side has coefficients are judged. With fewer
-        # modes, the last coefficients may belong to the right side and not to noise.
+        # A zone is tested for noise only if it has more modes than the right side has coefficients.
+        # With fewer modes, the last coefficients may belong to the right side and not to noise.
         noisy = grew & (m > own) & (tails < OPTIONS.nearly_decayed) & (tails > 0.5 * kept[0])
-        # The factor 4 is a margin, because the noise differs from solution to solution.
+        # The factor 4 is a safety margin, because the noise differs from solution to solution.
         return Growth(
             m,
             np.array([*kept, tails]),
@@ -135,7 +138,7 @@ def least(zones: Zones, kernel: Kernel) -> Index:
 
 
 def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Index:
-    """Initial number of nodes of each zone, from the nearest singularities of the right side."""
+    """Initial number of nodes of each zone, from its distance to the right side's singularities."""
     if len(singular_at) == 0:
         return np.full(len(zones), OPTIONS.first_nodes)
     at = np.sort(wrapped(singular_at, float(zones.a[0]), period))
@@ -160,7 +163,7 @@ def own_at_first(zones: Zones, singular_at: Array, period: float | None) -> Inde
 
 
 def most_own(zones: Zones) -> int:
-    """Largest number of nodes of a zone, which depends on the number of zones."""
+    """Largest allowed number of nodes of one zone; it is smaller if there are many zones."""
     return int(
         OWN_SIZES[
             np.searchsorted(
@@ -174,7 +177,7 @@ def most_own(zones: Zones) -> int:
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
-    """Number m of modes of each zone that are coupled to other zones (Z,).
+    """Number m of modes of each zone (Z,) that enter the linear system for all zones.
 
     Unless `max_modes` limits m, rho^m is below the tolerance, with rho of the nearest end of
     another zone (see `decay`).
@@ -283,8 +286,9 @@ def sample(
             ).all(axis=1)
             sizes[group], tails[group] = sizes[group][:, [1, 1]], tails[group][:, [1, 1]]
             sizes[group, 1], tails[group, 1] = n, last
-            # `calm` rises only for a zone with enough nodes between its jumps. With too few nodes,
-            # the coefficients do not yet show how they decay.
+            # `calm` counts the evaluations in which the last coefficients of a zone look like
+            # round-off. Only evaluations with enough nodes between the jumps count. With too few
+            # nodes, the coefficients do not yet show how they decay.
             calm[group] += (
                 slow
                 & (last < OPTIONS.nearly_decayed * scale)
@@ -334,7 +338,7 @@ def place_rounding(zones: Zones, group: Index) -> Array:
 
 
 def mirror(zones: Zones, table: Array) -> None:
-    """Fill the left half of a symmetric coefficient table from its right half."""
+    """Fill the rows of the left zones of a symmetric set from their mirror images, in place."""
     left = np.arange(len(zones) // 2)
     table[left] = table[::-1][left] * (1.0 - 2.0 * (np.arange(table.shape[1]) % 2))
 
@@ -367,7 +371,7 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """Conformal radius R, at a zone, of the plane without a half-line on each side of the zone.
+    """Conformal radius R, at a zone, of the plane cut along half-lines on both sides of it.
 
     left, right: distances of the half-lines from the zone. One of them may be infinite.
     """
@@ -376,9 +380,10 @@ def conformal_radius(left: Array, right: Array) -> Array:
 
 
 def felt(left: Array, right: Array) -> tuple[Array, Array]:
-    """Weights of the left and right neighbour's potential (level) in the potential between them.
+    """Weights of the constant potentials of two zones in the potential at a point between them.
 
-    They are harmonic measures (see the head of this file), and their sum is one.
+    `left` and `right` are the distances of the point from the zone on its left and on its right.
+    The weights are harmonic measures (see the head of this file), and their sum is one.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         # The weight of the right neighbour is 1/2 + asin(s) / pi, with s from -1 to 1 between the

@@ -29,9 +29,9 @@ from sie.jumps.right_side import ForcingJumps
 class MomentOptions:
     """Options for computing coefficients of the right side by integrals between its jumps."""
 
-    # Least number of jumps of a zone for which integrals between its jumps give the coefficients.
-    # Truncated powers for so many jumps would be some ten times as large as the right side. The sum
-    # of these powers would lose digits.
+    # A zone with at least this number of jumps gets its coefficients from integrals between the
+    # jumps. The other method subtracts one truncated power for each jump. For so many jumps, these
+    # powers would be some ten times as large as the right side, and their sum would lose digits.
     min_jumps: int = 32
 
 
@@ -39,15 +39,18 @@ OPTIONS = MomentOptions()
 
 
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
-    """Indices (ascending) of the solved zones with at least `min_jumps` jumps of a derivative."""
+    """Indices of zones on which derivatives of the right side jump `min_jumps` times or more.
+
+    They are ascending. Of a symmetric set, only zones of the right half count.
+    """
     if len(forcing.jumps) == 0 or zones.have_values:
-        # The integrals between jumps omit the logarithmic terms that plateaus (`have_values`) add
-        # to the right side.
+        # If the density has given values at ends (`have_values`), the right side gains logarithms.
+        # The integrals between jumps omit them.
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     count[list(jumps.splines)] += OPTIONS.min_jumps
     # Near an algebraic point, the right side or the density is a power of the distance. Integrals
-    # between jumps need a right side that is smooth there, so such zones do not count.
+    # between jumps need a right side that is smooth there, so zones with such points are left out.
     count[list(jumps.poles.by_zone)] = 0
     return np.asarray(zones.solved[count[zones.solved] >= OPTIONS.min_jumps])
 
@@ -65,9 +68,9 @@ def rule(jumps: ForcingJumps, zone: int, highest: int) -> tuple[Array, Array]:
 def coefficients(
     forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: Index, m: Index
 ) -> tuple[Array, Array]:
-    """(coefficients g_k of the right side at [:, k], mean of its primitive) of zones `chosen`.
+    """(coefficients g_k of the right side, mean of its primitive), each on all zones `chosen`.
 
-    The means are 0 if the right side has no primitive.
+    The coefficients are at [:, k]. The means are 0 if the right side has no primitive.
     """
     rules = [rule(jumps, int(zone), int(m[zone])) for zone in chosen]
     first = np.cumsum([0, *(len(theta) for theta, _ in rules)])

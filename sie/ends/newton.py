@@ -143,7 +143,7 @@ class Free:
 
     @cached_property
     def end_scales(self) -> Array:
-        """Length to which errors of the ends of each zone are relative (Z,): mostly its width."""
+        """Length (Z,) by which errors of each zone's ends are divided: mostly its width."""
         return end_scales(self.density.zones, self.state.equation)
 
     @cached_property
@@ -153,9 +153,11 @@ class Free:
 
     @cached_property
     def bent_rims(self) -> Array:
-        """Largest difference of the density from an even passage on narrow rims (Z,), else 0.
+        """Largest difference on narrow rims (Z,) from the density for a constant right side.
 
-        It is that of the solved width, and is proportional to the width, see `Zones.depth`.
+        A narrow rim is a zone that is narrower than a gap or plateau beside it. The difference is
+        that of the solved width, and is proportional to the width, see `Zones.depth`. It is 0 on
+        other zones.
         """
         density, out = self.density, np.zeros(len(self.density.zones))
         if not self.narrow_rims.any():
@@ -243,7 +245,7 @@ def find_ends(
 
 
 class _Search:
-    """One search for the ends: present zones, progress, and the value of an open condition."""
+    """One search for the ends: its zones, its progress, and the value of an open condition."""
 
     def __init__(
         self,
@@ -288,7 +290,11 @@ class _Search:
         return self._moved(state, motion, rest)
 
     def _rims_rest(self, motion: NewtonStep) -> bool:
-        """Whether the depths of rims stay. Their error times `rims.least_part` is one of places."""
+        """Whether the step nearly keeps the true widths of very narrow rims (transition zones).
+
+        The logarithm of a true width, `depth`, needs only the square root of the ends' tolerance.
+        An error of `depth` times `rims.least_part` is an error of the ends.
+        """
         if motion.depth is None:
             return True
         change = np.abs(motion.depth - self.zones.depth).max()
@@ -336,9 +342,9 @@ class _Search:
         if opened is not None and (
             response is None or _moved_part(state, response) > ERRORS.negligible
         ):
-            # A relative error of the response changes the Newton step by the same relative amount,
-            # which the next step corrects. So the square root of the solution's tolerance is
-            # accurate enough.
+            # The response is the density per unit change of the open condition's value. Its
+            # relative error changes the Newton step by the same relative amount, which the next
+            # step corrects. So the square root of the solution's tolerance is accurate enough.
             tolerance = float(np.sqrt(self.sizes.linear))
             self.value_response = state.response(state.values(opened), tolerance)
         motion = newton_step(state, self.zones, self.options, self.value_response, self.last)
@@ -435,7 +441,7 @@ class _Search:
     def _with_iterated_errors(
         self, state: State, motion: NewtonStep, rest: Convergence
     ) -> tuple[NewtonStep, Convergence] | None:
-        """(last step with its growth rate, error estimates that include the iteration's errors).
+        """(last step with the growth rate of end displacements, errors including the iteration's).
 
         The result is None if the intensities do not determine the ends.
         """

@@ -21,7 +21,7 @@ from sie.states.state import State
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Changes of a solution caused by given sources and values, for each of J cases.
+    """Changes of a solution, caused by point sources and changed side conditions, in J cases.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Answers:
 
 
 def answers(state: State, at: Array, strengths: Array, values: Array, places: Array) -> Answers:
-    """Changes of a solution on fixed zones, caused by sources and by changed condition values.
+    """Changes of a solution, caused by point sources and by changed values of side conditions.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     rows = g[np.repeat(np.arange(len(zones)), layout.m), numbered(layout.m) + 1]
     if kernel.regular is not None and len(at):
         # The kernel's regular part has no closed form, so its values and its potential are sampled
-        # at the nodes.
+        # at the nodes of the zones.
         x = system.targets.x[:, None]
         rows += system.projected(kernel.regular(x, at) / np.pi)
         mean += (
@@ -157,15 +157,17 @@ def _solved(state: State, right: Array) -> Array:
 
 
 def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
-    """Potential at P positions due to the modes l > m of the fields of S unit sources (P, S).
+    """Potential (P, S) at P positions due to the modes l > m of the zones, for S unit sources.
 
-    up: rho of the sources (Z, S, poles); seen: rho' of the positions (Z, P, poles). The potential
-    is the sum over zones and poles of -(2/pi) sum_{l > m} (rho rho')^l / l.
+    m is the number of modes of each zone that are unknowns of the linear system (Z,). up: rho of
+    the sources (Z, S, poles); seen: rho' of the positions (Z, P, poles). The potential is the sum
+    over zones and poles of -(2/pi) sum_{l > m} (rho rho')^l / l.
     """
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(m)):
-        # Bound of |rho rho'|, with rho of a source and rho' of a position. Below it, all powers
-        # (rho rho')^l with l > m are below round-off.
+        # Bound of |rho rho'|. The powers rho^l and rho'^l are the decay of mode l of the zone
+        # towards a source and towards a position. Below the bound, all (rho rho')^l with l > m are
+        # below round-off.
         least = np.exp(-DIGITS / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
             # Pairs of a source and a position that contribute less than round-off are left out.

@@ -50,9 +50,8 @@ from sie.equation.forcing import Forcing
 # end's uncorrected Newton step. Such a jump changes the step by less than 2 %, which the next step
 # corrects. A root search would lose the digits of small steps.
 _FARTHEST_JUMP = 20.0
-# Largest inward step of an end towards a jump J < 0 of the density, as a fraction of the end's
-# distance from the jump. The end must not pass this jump, which a logarithm of the right
-# side causes.
+# Largest inward step of an end towards a downward jump of the density, as a fraction of their
+# distance. Such a jump comes from a logarithm of the right side, and the end must not pass it.
 _STOP_BEFORE = 0.9
 
 
@@ -91,12 +90,14 @@ def gap_steps(
     rho_other = other / np.where(holds, c * across, 1.0)
     shift = rho - rho_other
     less = 2 * (rho + rho_other) - (2 * shift**2 if alike else 0.0)
-    # `closing` is 1 - sqrt(1 - less), computed without cancellation. If the gap closes, `closing`
-    # is 1, and each end of the gap moves by half the gap's width.
+    # `closing` is the decrease of the half gap, divided by the half gap. It is 1 - sqrt(1 - less),
+    # computed without cancellation. If the gap closes, `closing` is 1, and each end of the gap
+    # moves by half the gap's width.
     closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
-    # `share` is the fraction of the slope S (head of this file) that comes from the kink. A gap of
-    # half width (1 - e) c closes under the load (1 - e)^2 (1 - share) / 2 + (1 - e) share. This
-    # load equals `left`, which determines e (`wedged` below).
+    # If the density jumps inside the gap, the jump contributes the fraction `share` to S. S is the
+    # edge slope A without its dependence on the intensity K (head of this file). A gap of half
+    # width (1 - e) c closes under the load (1 - e)^2 (1 - share) / 2 + (1 - e) share. This load
+    # equals `left`, which determines e (`wedged` below).
     mean = np.where(holds, 0.5 * (straight + across), 1.0)
     share = np.clip(
         np.asarray(0.0 if tips is None else tips) / np.pi * np.sqrt(2 / c) / mean, 0.0, 1.0
@@ -151,9 +152,10 @@ class StepAtJumps:
         inside: tuple[Array, Array],
         outside: tuple[Array, Array],
     ) -> Array:
-        """Steps of the ends `side`, from the equation for delta at the head of this file.
+        """Outward steps of the ends `side`, each next to a jump: roots delta of the intensity K.
 
-        side: indices of these ends; inside, outside: (distance, height) of the nearest jumps.
+        The equation for delta is at the head of this file. side: indices of these ends; inside,
+        outside: (distance, height) of the nearest jumps.
         """
         of_density = self.forcing.density_jumps
         width = (self.zones.b - self.zones.a)[side[1]]
@@ -169,8 +171,9 @@ class StepAtJumps:
         (c, here), (c_other, there), sign = (
             ((c_out, y), (c_in, r), -1.0) if of_density else ((c_in, r), (c_out, y), 1.0)
         )
-        # If the end is exactly on a jump, the edge slope A is infinite, and the intensity K has no
-        # linear part.
+        # If the end is exactly on a jump, the edge slope A is infinite. Then the change of the
+        # intensity K has only the part with the square root, and no part linear in the motion of
+        # the end.
         with np.errstate(invalid="ignore"):
             rest = np.maximum(slopes[side] - c / np.sqrt(here), 0.0)
         straight = np.where(np.isinf(slopes[side]), 0.0, rest)
@@ -186,7 +189,7 @@ class StepAtJumps:
 
 
 def logarithms_in_gaps(forcing: Forcing, zones: Zones, period: float | None) -> Array:
-    """Sum of the heights J > 0 of the logarithms in the gap next to each end (2, Z)."""
+    """Sum (2, Z) of the heights J > 0 of the right side's logarithms in the gap at each end."""
     at, heights = forcing.logarithms
     at, heights = wrapped(at[heights > 0], zones.a[0], period), heights[heights > 0]
     i = np.searchsorted(zones.a, at, side="right") - 1

@@ -20,7 +20,7 @@ from sie.states.state import State
 
 @record
 class Branch:
-    """Two numbers of one step that show which of several roots the search approaches.
+    """Residual and growth rate of one step, which show the root that the search approaches.
 
     residual: largest difference of an intensity from its prescribed value; growth: largest real
     part of the eigenvalues that determine the stability of the ends.
@@ -92,8 +92,9 @@ def newton_step(
     k = np.array(density.intensities)
     residual = np.where(moves, k - zones.intensities, 0.0)
     if zones.follow_ends:
-        # A moving end has a prescribed intensity other than zero. Then no gap is treated as a slit,
-        # so `whole` is the state on the given zones.
+        # A moving end has a prescribed intensity other than zero. Then narrow gaps are not treated
+        # as cuts inside wide zones (`sie.slits`), so `state.whole` is the solution on the given
+        # zones.
         return _coupled_step(state.whole, moves, residual, options, value_response)
     a, noise_k = np.array(density.edge_slopes), state.intensity_noise
     safe, weak = _safe_slopes(density, state.natural, options, residual, last)
@@ -151,8 +152,8 @@ def _with_step_models(
         model = StepAtJumps(forcing, zones, kernel.period, (options.max_shrink, options.max_growth))
         bent = model.steps(side * residual, np.where(weak, 0.0, side * a), delta)
         bent = np.where(moves & ~(holds & jumps), bent, delta)
-        # If a corner shortens the step, the effect of round-off in the intensity K is reduced by
-        # the same factor.
+        # If a jump of the right side shortens the step, the round-off of the step (which comes from
+        # that of the intensity K) is reduced by the same factor.
         noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
         delta = bent
     weak_zones = np.asarray((weak & moves).any(axis=0))
@@ -194,9 +195,10 @@ def _safe_slopes(
 
 
 def corners_of(state: AnyState) -> Array:
-    """Distance (2, Z) of each end from the nearest kink; inf without kinks or with slits.
+    """Distance (2, Z) of each end from the nearest jump of the right side; inf if there is none.
 
-    The density changes over this distance.
+    It is also inf if narrow gaps are treated as cuts (slits) inside wide zones. The density changes
+    over this distance.
     """
     equation, zones = state.equation, state.density.zones
     if state.density.slit_count or len(equation.forcing.kinks[0]) == 0:
@@ -219,8 +221,8 @@ def place_rounding(state: AnyState, corners: Array) -> Array:
     whole = state.whole
     if not isinstance(whole, State) or state.density.slit_count or not np.isfinite(corners).any():
         return rounding
-    # The position of an end within round-off of a corner follows from the distance between the two.
-    # This distance is exact, so that the position has no round-off.
+    # If an end is within round-off of a jump of the right side, its position is computed from its
+    # exact distance from the jump. So the position has no round-off.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
     cornered, g = whole.density.jumps.kinked, whole.system.g
     # The smooth part of the right side has the Chebyshev coefficients g_k. It contributes at most
@@ -238,12 +240,12 @@ def bordered(
     slope: Array,
     largest: tuple[float, float] = (np.inf, np.inf),
 ) -> tuple[Array, float]:
-    """(damped steps of the ends, change of the open value) that meet the end condition.
+    """(damped steps of the ends, change of the unknown value) that satisfy the end condition.
 
-    delta: steps (2, Z) at the present value; slope: steps caused by a unit change of the value;
-    largest: largest steps inward and outward, relative to the width of the zone. If undamped steps
-    met the condition, an end with almost no edge slope would determine the value alone. A zone that
-    is about to vanish has such ends.
+    The unknown value is that of the open side condition. delta: steps (2, Z) at its present value;
+    slope: steps caused by a unit change of it; largest: largest steps inward and outward, relative
+    to the width of the zone. If undamped steps met the condition, an end with almost no edge slope
+    would determine the value alone. A zone that is about to vanish has such ends.
     """
     miss, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient, width = np.array([by_left, by_right]), zones.b - zones.a
@@ -300,7 +302,7 @@ def _coupled_step(
     options: NewtonOptions,
     value_response: AnyDensity | None,
 ) -> NewtonStep:
-    """Newton step for prescribed intensities, from the derivatives of intensities by all ends.
+    """Newton step of all ends together, for prescribed intensities other than zero.
 
     The right end of a mirrored pair stands for both. If the state was found by iteration, the
     growth rate is not computed (nan), since it costs more than the step.

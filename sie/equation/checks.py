@@ -38,7 +38,8 @@ class CheckOptions:
     # Largest difference between the slope of a primitive and its function, relative to the
     # function's largest value. This tolerance is above the round-off for both lengths of intervals.
     max_slope_error: float = 1e-4
-    # Number of coefficients above the declared number that are checked to be zero.
+    # Number of Chebyshev coefficients beyond the declared degree or number of modes that are
+    # checked to be zero.
     extra_coefficients: int = 8
 
 
@@ -85,8 +86,10 @@ def check_functions(equation: Equation, zones: Zones) -> None:
 
 
 def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool, bool]]:
-    """Cases (potentials are needed, zones are symmetric, values may be complex) for which `part`
-    has been checked.
+    """Cases in which the functions of `part` have been checked.
+
+    A case is (whether potentials are needed, whether zones are symmetric, whether values may be
+    complex).
     """
     found: set[tuple[bool, bool, bool]] = part.__dict__.setdefault("_checked", set())
     return found
