@@ -18,6 +18,7 @@ from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.nested_grids import Proposal, grid_height, propose
 from contact.search.grid.scaling import ScaledScene
 from contact.search.options import SEARCH
+from contact.verify.minima import SAMPLING
 from sie import Array
 
 
@@ -36,24 +37,31 @@ def proposed(
     """
     problem = scaled.problem
     units, profile, by_load = problem.units, problem.profile, control.load is not None
-    detail = profile.feature or detail_of(profile.height, *scaled.cell) if points is None else None
-    if detail is not None:
-        # A Newton step may move an end by about the length over which the kernel varies. So a grid
-        # cell may be up to twice this length, and `detail`, which the grid divides into
-        # `per_feature` cells, up to 2 `per_feature` times this length.
-        cells = 2 * nested_grids.OPTIONS.per_feature
-        detail = min(detail, cells * problem.kernel.length * units.length)
     return propose(
         partial(grid_height, profile) if by_load else profile.height,
         scaled.cell,
         replace(whole_response(problem), cap=cap),
-        resolution=detail,
+        resolution=_detail(scaled) if points is None else None,
         points=points,
         load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height,
         tol=tol,
         start=None if start is None else start.state,
         between_points=True,
+    )
+
+
+def _detail(scaled: ScaledScene) -> float:
+    """Length [m] that a grid divides into `per_feature` cells: that of the profile's features.
+
+    A Newton step may move an end by about the length over which the kernel varies. So a grid cell
+    may be up to twice this length, and the result up to 2 `per_feature` times this length.
+    """
+    problem, profile = scaled.problem, scaled.problem.profile
+    cells = 2 * nested_grids.OPTIONS.per_feature
+    return min(
+        profile.feature or detail_of(profile.height, *scaled.cell),
+        cells * problem.kernel.length * problem.units.length,
     )
 
 
@@ -78,29 +86,63 @@ def whole_response(problem: Problem) -> Response:
 def of_width(scaled: ScaledScene, width: float) -> Proposal:
     """Zones from a grid, under a load at which their scaled total width is about `width`.
 
-    The load is first found on grids that just resolve the width. A few grids as fine as the profile
-    needs then correct the remaining error. Without these fine grids a rough contact of more than 30
-    zones takes two to four times as long.
+    The load is bracketed on a grid that just resolves the width. Each of the finer nested grids
+    corrects it. The finest grid then removes a small error only. Without the finest grid a rough
+    contact of more than 30 zones takes two to four times as long.
     """
-    period, length = scaled.problem.repeat_length, scaled.problem.units.length
-    load, rate, start = _load_of_width(scaled, width)
-    before: tuple[float, float] | None = None
-    fine: list[tuple[float, Proposal]] = []
+    grids, period = nested_grids.OPTIONS, scaled.problem.repeat_length
+    least = grids.coarsest * period / min(width, period - width)
+    least = min(max(4 * grids.coarsest, least), SAMPLING.max_points)
+    cell = scaled.cell[1] - scaled.cell[0]
+    points = finest = nested_grids.points_for(cell, _detail(scaled), SAMPLING.max_points)[0]
+    while points < least:
+        points *= 2
+    while points % 2 == 0 and points // 2 >= least:
+        points //= 2
+    load, rate, found = _load_of_width(scaled, width, points)
+    while 2 * points < finest:
+        points *= 2
+        load, rate, found = _corrected(scaled, width, (load, rate, found), points)
+    return _corrected(scaled, width, (load, rate, found), None)[2]
+
+
+def _corrected(
+    scaled: ScaledScene, width: float, start: tuple[float, float, Proposal], points: int | None
+) -> tuple[float, float, Proposal]:
+    """A scaled load corrected by Newton's method on a grid, so that the zones have a given width.
+
+    start: a load, the rate of the width's error with the logarithm of the load, and the zones of a
+    coarser grid. Returns the same for a grid of this many points (None: the finest grid).
+    """
+    (load, rate, near), before = start, (math.nan, math.nan)
+    tried: list[tuple[float, Proposal]] = []
     for _ in range(SEARCH.max_attempts):
-        found = proposed(scaled, Load(load), None, start=start)
-        error = _width_error(found.width / length, width, period)
-        if before is not None and math.isfinite(error - before[1]) and load != before[0]:
+        found = near = proposed(
+            scaled,
+            Load(load),
+            points,
+            SEARCH.intermediate if points is None else SEARCH.rough,
+            start=near,
+        )
+        error = _width_error(
+            found.width / scaled.problem.units.length, width, scaled.problem.repeat_length
+        )
+        tried.append((abs(error), found))
+        if not math.isfinite(error):
+            break
+        if load != before[0] and math.isfinite(before[1]):
             slope = (error - before[1]) / math.log(load / before[0])
             rate = slope if slope > 0.0 else rate  # it may be negative at a jump
-        fine.append((abs(error), found))
-        allowed = SEARCH.missing_zones / max(len(found.zones), 1)
-        if not math.isfinite(error) or abs(error) < min(allowed, SEARCH.grid_error):
-            break
-        before, start = (load, error), found
+        before = (load, error)
         load *= math.exp(min(max(-error / rate, -0.5), 0.5))
+        allowed = SEARCH.missing_zones
+        if points is None:
+            allowed = min(allowed / max(len(found.zones), 1), SEARCH.grid_error)
+        if abs(error) < allowed:
+            break
     # The width may jump with the load. So the width of the last trial is not always the closest to
     # `width`.
-    return min(fine, key=lambda tried: tried[0])[1]
+    return load, rate, min(tried, key=lambda one: one[0])[1]
 
 
 def _width_error(found: float, width: float, period: float) -> float:
@@ -113,20 +155,15 @@ def _width_error(found: float, width: float, period: float) -> float:
     return math.log(found / width * (period - width) / (period - found))
 
 
-def _load_of_width(scaled: ScaledScene, width: float) -> tuple[float, float, Proposal]:
+def _load_of_width(scaled: ScaledScene, width: float, points: int) -> tuple[float, float, Proposal]:
     """A scaled load at which the zones have about a given total width, by false position.
+
+    points: number of points of the grid.
 
     Returns the load, the rate of the width's error with its logarithm, and the zones.
     """
-    problem = scaled.problem
-    units, profile, period = problem.units, problem.profile, problem.repeat_length
+    units, period = scaled.problem.units, scaled.problem.repeat_length
     smaller = min(width, period - width)
-    grids = nested_grids.OPTIONS
-    least = grids.coarsest * period / smaller
-    features = float(grids.per_feature)
-    if profile.feature is not None:
-        features = units.length * period / profile.feature
-    points = 2 ** int(np.clip(np.ceil(np.log2(max(2 * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     tried: list[tuple[float, float]] = []
     found: Proposal | None = None

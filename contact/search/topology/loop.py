@@ -35,14 +35,17 @@ Kind = TypeVar("Kind", bound=Solved)
 
 @dataclass(frozen=True)
 class RoughRoundOptions:
-    """Options for the first rounds with very many intervals, at a loose tolerance of the ends.
+    """Options for the first rounds with many intervals, at a loose tolerance of the ends.
 
-    The first guess of so many intervals never has the right number of them. Rough rounds correct
+    The first guess of so many intervals rarely has the right number of them. Rough rounds correct
     most of the wrong ones at a fraction of the cost. Their tolerance is that of all rough
     solutions.
     """
 
-    min_intervals: int = 1000
+    # A rough round costs little even if the number of intervals is right, as the next round begins
+    # from its ends. If the number is wrong, a precise round is saved (a trace of 897 zones: 17 s in
+    # place of 28 s).
+    min_intervals: int = 100
     unresolved_fraction: float = 0.005  # fraction of the ends that may stay unconverged
     patience: int = 2  # Newton steps granted to the last unconverged ends
 
