@@ -100,8 +100,5 @@ def _places_in_contact(solution: Solution, samples: int) -> tuple[Array, Array, 
     angle = np.tile(np.pi * (np.arange(count) + 0.5) / count, len(zones))
     at = zones[zone, 0] + widths[zone] * np.sin(0.5 * angle) ** 2
     pressure = np.nan_to_num(np.asarray(solution.pressure(at)), posinf=0.0, neginf=0.0)
-    # The weights are those of Gauss-Chebyshev quadrature, scaled to the load of each zone.
-    weight = np.abs(pressure) * np.sin(angle)
-    sums = np.bincount(zone, weight, len(zones))
-    scale = np.abs(np.asarray(solution.zone_loads)) / np.where(sums > 0.0, sums, 1.0)
-    return at, weight * scale[zone], pressure
+    # The weights are those of Gauss-Chebyshev quadrature.
+    return at, np.abs(pressure) * widths[zone] * np.sin(angle), pressure

@@ -17,17 +17,23 @@ import numpy as np
 from sie.basis import lazy
 from sie.basis.data import Index
 
-# Number of terms from which on a sum is left to a compiled loop. To load numba and a stored loop
-# takes 0.3 s, and an array operation a nanosecond or more for each term. A solution repeats most
-# sums a hundred times. Insensitive to a factor of four.
-MIN_TERMS = 1 << 22
+# Number of terms from which on compiled loops are loaded. To load numba and a stored loop takes
+# 0.3 s, and array operations take that long for so many terms. Insensitive to a factor of four.
+MIN_TERMS = 1 << 28
+# Number of times that a solution computes the same sum: in a few dozen steps of GMRES, on the zones
+# of a few steps of Newton's method.
+REPETITIONS = 128
 # Number of terms from which on a thread of its own pays: some 0.3 ms, to its start of 0.05 ms.
 TERMS_PER_THREAD = 1 << 20
 
 
-def loops(name: str, terms: float) -> ModuleType | None:
-    """The file `name` of `sie.loops`; None for a sum of few terms, or where numba does not work."""
-    return _loaded(name) if terms >= MIN_TERMS else None
+def loops(name: str, terms: float, repeated: bool = True) -> ModuleType | None:
+    """The file `name` of `sie.loops`; None for a sum of few terms, or where numba does not work.
+
+    repeated: whether the sum is one of those of which a solution computes many.
+    """
+    enough = terms * (REPETITIONS if repeated else 1) >= MIN_TERMS
+    return _loaded(name) if enough else None
 
 
 @cache

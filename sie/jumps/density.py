@@ -218,6 +218,9 @@ class DensityJumps(ForcingJumps):
         end = np.where(rho > 0, self.right[k], self.left[k])
         return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
 
+    def _densities(self, zone: Index, left: Array, right: Array) -> Array:
+        return self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
+
     def shape(self, k: Index, left: Array, right: Array) -> Array:
         """theta for t > s and theta - pi for t < s, at points t = cos(theta), with a jump at s."""
         away, from_right, from_left = left - self.left[k], theta(left, right), theta(right, left)

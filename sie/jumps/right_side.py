@@ -36,6 +36,7 @@ from typing import Self
 
 import numpy as np
 
+from sie.basis import compiled
 from sie.basis.data import Array, Index, Mask, record
 from sie.basis.interval import Complex, InPlane, OnLine, half_angles, of_t, root_weight, theta
 from sie.basis.sums import Grouped
@@ -53,6 +54,8 @@ from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
 # quantity.
 Spline = QuadraticSpline | ConjugateSpline
 MakeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
+# Terms of a sum that take as long as one pair of a point and a jump, with its logarithm.
+_TERMS_OF_A_SHAPE = 16
 
 
 @record
@@ -245,12 +248,30 @@ class ForcingJumps(PlacedJumps):
     def density(self, zone: Index | int, left: Array, right: Array) -> Array:
         """The closed-form density of jumps, splines, poles and nearby logarithms."""
         zone = np.broadcast_to(zone, left.shape)
-        out = self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
+        out = self._densities(zone, left, right)
         for spline, here in self._in_splines(zone):
             out[here] += spline.density(left[here], right[here])
         if len(self.poles):
             out += self.poles.density(zone, left, right)
         return out + self.near.density(zone, left, right) if len(self.near) else out
+
+    def _densities(self, zone: Index, left: Array, right: Array) -> Array:
+        """Sum at each point of the densities of all jumps in its zone."""
+        grouped, row = self.grouped, self.grouped.rows(zone)
+        pairs = np.concatenate(([0], np.cumsum(grouped.count[row])))
+        loops = compiled.loops("jump_sums", _TERMS_OF_A_SHAPE * int(pairs[-1]))
+        if loops is None:
+            return self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
+        out = np.empty(len(zone))
+        compiled.in_threads(
+            loops.densities,
+            _TERMS_OF_A_SHAPE * pairs,
+            (self.left, np.sqrt(self.left), np.sqrt(self.right), self.order, self.height / np.pi),
+            (grouped.order, grouped.first, grouped.count),
+            (row, left, right),
+            out,
+        )
+        return out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
         """Integral of the closed-form density from the left end, divided by the half width."""

@@ -7,6 +7,7 @@ import pytest
 
 import sie
 from sie.basis import compiled
+from sie.jumps.right_side import ForcingJumps
 from sie.trees.far import FarSum, Nested
 from sie.trees.tree import TERMS, Tree
 
@@ -64,3 +65,23 @@ def test_without_numba_sums_are_left_to_arrays(monkeypatch) -> None:
     monkeypatch.setattr(compiled.lazy, "module", missing)
     assert compiled.loops("tree_sums", np.inf) is None
     compiled._loaded.cache_clear()
+
+
+def test_densities_of_jumps_are_those_of_arrays(threads, monkeypatch) -> None:
+    rng = np.random.default_rng(2)
+    zones = sie.Zones.of([[-0.8, -0.1], [0.2, 0.2003], [0.4, 0.9]])
+    at = np.concatenate((rng.uniform(-1, 1, 200), zones.a + 1e-9, zones.b - 1e-13, [0.2001]))
+    jumps = ForcingJumps.within(
+        zones, at, rng.normal(size=len(at)), rng.integers(0, 3, len(at)), None
+    )
+    zone = rng.integers(0, 3, 500)
+    left = 2 * rng.beta(0.2, 0.2, 500)
+    left[:3], zone[:3] = jumps.left[:3], jumps.zone[:3]
+    monkeypatch.setattr(compiled, "MIN_TERMS", np.inf)
+    wanted = jumps.density(zone, left, 2 - left)
+    monkeypatch.setattr(compiled, "MIN_TERMS", 0)
+    found = jumps.density(zone, left, 2 - left)
+    assert np.array_equal(np.isinf(found), np.isinf(wanted))
+    finite = np.isfinite(wanted)
+    found, wanted = found[finite], wanted[finite]
+    assert np.abs(found - wanted).max() <= 1e-13 * np.abs(wanted).max()
