@@ -41,7 +41,8 @@ class Functionals(sie.Kept):
     def weights(self, number: str, index: tuple[int, ...]) -> Weighted:
         """The weights of a number, at the given value of the scene's control.
 
-        index: that of the entry, for a number that is an array.
+        index: that of the entry, for a number that is an array. The pressure may have the index of
+        one of the places of the highest pressure.
         """
         if self.refusal:
             raise SceneError(f"{self.refusal}: use `of(number, to=...)`", "number", number)
@@ -149,7 +150,7 @@ class Functionals(sie.Kept):
             assert self.solution.scene.profile.period is not None
             return numbers.load / self.solution.scene.profile.period
         if number == "max_pressure":
-            return float(numbers.max_pressure[0])
+            return float(numbers.max_pressure[index[0] if index else 0])
         if number == "max_stress":
             return float(numbers.max_stress[0])
         return float(np.asarray(numbers.largest(number))[index])
@@ -165,7 +166,8 @@ class Functionals(sie.Kept):
         if number == "mean_gap":
             return replace(none, approach=-1.0, mean=1.0)
         if number == "max_pressure":
-            return replace(none, peak=(float(self.linearized.peaks[0]), 1.0))
+            place = float(self.linearized.peaks[index[0] if index else 0])
+            return replace(none, peak=(place, 1.0))
         if number == "zone_loads":
             loads[order[index[0]]] = 1.0
         elif number == "zone_widths":

@@ -59,18 +59,23 @@ class Linearized(sie.Kept):
     """The linear equations for the derivatives of one solution."""
 
     def __init__(
-        self, solution: Solution, stated: bool = True, stress: LargestStress | None = None
+        self,
+        solution: Solution,
+        stated: bool = True,
+        stress: LargestStress | None = None,
+        tops: Array | None = None,
     ) -> None:
         """stated: whether errors are asked for, which take two more solves.
 
         stress: the largest stress of the solution, if derivatives of it are asked for.
+        tops: local maxima of the pressure, which take the places of the largest pressure.
         """
-        self.solution, self.stated, self.stress = solution, stated, stress
+        self.solution, self.stated, self.stress, self.tops = solution, stated, stress, tops
 
     @cached_property
     def peaks(self) -> Array:
-        """Places of the largest pressure [m]."""
-        return peaks(self.solution)
+        """Places of the largest pressure [m], or the given local maxima."""
+        return peaks(self.solution) if self.tops is None else self.tops
 
     @cached_property
     def tips(self) -> Array:
@@ -81,7 +86,10 @@ class Linearized(sie.Kept):
     def values(self) -> Numbers:
         """The numbers of the solution."""
         stress = np.zeros(0) if self.stress is None else self.stress.values
-        return values(self.solution, len(self.peaks), len(self.tips), stress)
+        found = values(self.solution, len(self.peaks), len(self.tips), stress)
+        if self.tops is None:
+            return found
+        return replace(found, max_pressure=np.asarray(self.solution.pressure(self.tops)))
 
     @cached_property
     def variants(self) -> tuple[Fields, ...]:

@@ -29,23 +29,64 @@ WINDOW = EPS ** (1 / 5)
 
 def peaks(solution: Solution) -> Array:
     """Places of the largest pressure [m] (k,); empty if it is infinite or reaches a plateau."""
+    profile = solution.scene.profile
+    x = _samples(solution)
+    if len(x) == 0:
+        return x
+    zones = solution.zones if len(solution.zones) else np.array([[x[0], x[-1]]])
+    cusps = np.asarray(profile.algebraic_points).reshape(-1, 4)[:, 0]
+    shortest = profile.resolution or np.inf
+    return _maxima(solution.pressure, x, Window(zones, shortest, cusps, solution.error))
+
+
+def _samples(solution: Solution) -> Array:
+    """Ascending places [m] between which the pressure has at most one local maximum.
+
+    Empty if the largest pressure is infinite or reaches a plateau.
+    """
     zones, profile = solution.zones, solution.scene.profile
     if not np.isfinite(solution.max_pressure) or not solution.max_pressure > 0:
         return np.zeros(0)
-    shortest = profile.resolution or np.inf
     if len(zones) == 0:
-        if profile.period is None:
-            return np.zeros(0)
-        x, ends = period_samples(profile), np.zeros((1, 2))
-        ends[0] = x[0], x[-1]
-    else:
-        width = float(np.max(zones[:, 1] - zones[:, 0]))
-        count = SAMPLING.min_points + int(min(8 * width / shortest, SAMPLING.max_points))
-        angle = np.linspace(np.pi, 0.0, count)
-        x = (zones.mean(axis=1)[:, None] + 0.5 * np.diff(zones, axis=1) * np.cos(angle)).ravel()
-        ends = zones
-    cusps = np.asarray(profile.algebraic_points).reshape(-1, 4)[:, 0]
-    return _maxima(solution.pressure, x, Window(ends, shortest, cusps, solution.error))
+        return np.zeros(0) if profile.period is None else period_samples(profile)
+    width = float(np.max(zones[:, 1] - zones[:, 0]))
+    shortest = profile.resolution or np.inf
+    count = SAMPLING.min_points + int(min(8 * width / shortest, SAMPLING.max_points))
+    angle = np.linspace(np.pi, 0.0, count)
+    middle, half = zones.mean(axis=1)[:, None], 0.5 * np.diff(zones, axis=1)
+    return np.asarray((middle + half * np.cos(angle)).ravel())
+
+
+def tops(solution: Solution, most: int) -> Array:
+    """Places of the local maxima of the pressure [m], ascending, the highest `most` of them."""
+    x = _samples(solution)
+    if len(x) == 0:
+        return x
+    if len(solution.zones) == 0:
+        # The last sample is the first one of the next period.
+        x = np.concatenate((x, x[1:2] + x[-1] - x[0]))
+    inside = 1 + np.flatnonzero(np.isfinite(reaches(np.asarray(solution.pressure(x)))[1:-1]))
+    lo, hi = x[inside - 1], x[inside + 1]
+    rows = np.arange(len(lo))
+    # Each zoom narrows the bracket to a quarter, and a parabola squares the error that is left.
+    for _ in range(6):
+        fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
+        value = np.asarray(solution.pressure(fine))
+        best = np.argmax(value, axis=1)
+        lo, hi = fine[rows, np.maximum(best - 1, 0)], fine[rows, np.minimum(best + 1, 8)]
+    middle = np.clip(best, 1, 7)
+    before, here, after = (value[rows, middle + k] for k in (-1, 0, 1))
+    bend = np.maximum(2 * here - before - after, np.finfo(float).tiny)
+    step = np.clip(0.5 * (after - before) / bend, -1.0, 1.0)
+    place = fine[rows, middle] + step * (fine[:, 1] - fine[:, 0])
+    value = np.asarray(solution.pressure(place))
+    order = np.argsort(-value)
+    apart: list[int] = []
+    for k in order.tolist():
+        # Equal samples are both local maxima.
+        if all(abs(place[k] - place[j]) > hi[k] - lo[k] for j in apart):
+            apart.append(k)
+    return np.sort(place[apart[:most]])
 
 
 def lowest(solution: Solution) -> Array:

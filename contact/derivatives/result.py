@@ -84,6 +84,8 @@ class Sensitivity(sie.Kept):
         Whether errors are stated. Without them, derivatives take a third of the time.
     stress : LargestStress or None
         The largest stress, if derivatives of it are asked for.
+    tops : ndarray or None
+        Local maxima of the pressure [m], which take the places of the highest pressure.
 
     Examples
     --------
@@ -101,11 +103,16 @@ class Sensitivity(sie.Kept):
     """
 
     def __init__(
-        self, solution: Solution, stated: bool = True, stress: LargestStress | None = None
+        self,
+        solution: Solution,
+        stated: bool = True,
+        stress: LargestStress | None = None,
+        tops: Array | None = None,
     ) -> None:
         refuse(solution)
         self.solution, self.stress = solution, stress
-        self.linearized = Linearized(solution, stated, stress)
+        self.linearized = Linearized(solution, stated, stress, tops)
+        self._ways: dict[str, list[tuple[Direction, float]]] = {}
         self._known: dict[str, Response] = {}
         self._weighted: dict[tuple[str, tuple[int, ...]], Weighted] = {}
 
@@ -272,24 +279,57 @@ class Sensitivity(sie.Kept):
     @property
     def _adjoint(self) -> bool:
         """Whether the weights of all heights are known, and not only single derivatives."""
-        return Functionals(self.linearized).refusal == ""
+        return self._functionals.refusal == ""
+
+    @cached_property
+    def _functionals(self) -> Functionals:
+        return Functionals(self.linearized)
+
+    def of_tops(self, to: str) -> Array:
+        """Derivatives (entries, k) of the pressure at the places of highest pressure, without error.
+
+        to: the name of data of the scene; a number counts as one entry.
+        """
+        value, count = self._value(to), len(self.linearized.peaks)
+        if np.ndim(value) == 0:
+            return self.by(to).change.values.max_pressure[None]
+        table, _, key = to.partition(".")
+        if self._adjoint and table in self.solution.scene.profile.bodies and count < len(value):
+            found = [self._functionals.weights("max_pressure", (k,)) for k in range(count)]
+            return np.array([self._sums(one.found[0], table, key)[0] for one in found]).T
+        some = [self.by(f"{to}[{k}]").change.values.max_pressure for k in range(len(value))]
+        return np.array(some).reshape(len(value), count)
 
     def _by_array(self, number: str, table: str, key: str) -> Derivative:
         """The derivatives of a number by an array of parameters, from one solve."""
-        profile, found = self.solution.scene.profile, self._weights(number, ())
-        x = places_of(profile, self.solution.zones)
-        all_of = [
-            Direction.by_parameter(profile, Parameter(table, key, k), x)
-            for k in range(len(self._value(f"{table}.{key}")))
-        ]
-        by = self._by_weights(
-            found,
-            lambda one: np.array([one.of(way.height, way.slope) for way, _ in all_of]),
-            number,
-        )
-        unsure = np.array([error for _, error in all_of])
+        found = self._weights(number, ())
+        unsure = self._sums(found.found[0], table, key)[1]
+        by = self._by_weights(found, lambda one: self._sums(one, table, key)[0], number)
         more = TOLERANCES.margin * unsure * np.abs(np.asarray(by.value))
         return replace(by, error=by.error + more)
+
+    def _sums(self, weights: Weights, table: str, key: str) -> tuple[Array, Array]:
+        """A functional of the changes by all entries of an array of parameters, relative errors."""
+        profile = self.solution.scene.profile
+        count = len(self._value(f"{table}.{key}"))
+        if table == "profile" and profile.unit_of(key, 0) is not None:
+            all_of = profile.unit_sums(key, weights.x, weights.heights, weights.slopes)
+            if all_of is not None:
+                return all_of, np.full(count, TOLERANCES.rounding)
+        directions = self._directions(table, key)
+        sums = [weights.of(way.height, way.slope) for way, _ in directions]
+        return np.array(sums), np.array([error for _, error in directions])
+
+    def _directions(self, table: str, key: str) -> list[tuple[Direction, float]]:
+        """The changes of the profile by the entries of an array, with their relative errors."""
+        profile, name = self.solution.scene.profile, f"{table}.{key}"
+        if name not in self._ways:
+            x = places_of(profile, self.solution.zones)
+            self._ways[name] = [
+                Direction.by_parameter(profile, Parameter(table, key, k), x)
+                for k in range(len(self._value(name)))
+            ]
+        return self._ways[name]
 
     def _weights(self, number: str, index: int | tuple[int, ...]) -> Weighted:
         """The weights of a number on the zones and on moved zones."""
@@ -303,7 +343,7 @@ class Sensitivity(sie.Kept):
         ):
             raise SceneError.of("index", index, f"an index of an array of shape {value.shape}")
         if (number, at) not in self._weighted:
-            self._weighted[number, at] = Functionals(self.linearized).weights(number, at)
+            self._weighted[number, at] = self._functionals.weights(number, at)
         return self._weighted[number, at]
 
     def _by_weights(

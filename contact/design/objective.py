@@ -14,6 +14,9 @@ from contact.errors import SceneError
 from contact.model.checks import one_of
 from sie import Array
 
+# The number that is the largest of several: the local maxima of the pressure.
+PEAK = "max_pressure"
+
 Judged = Callable[[Sequence[Array]], tuple[float, Sequence[ArrayLike]]]
 
 
@@ -28,6 +31,8 @@ class Objective:
     of : callable
         Takes a list with the number at each value of the control (an array for zones, their widths
         and loads) and returns its value and the list of its derivatives by them.
+    name : str
+        What the user wrote, if it is a name.
 
     Raises
     ------
@@ -48,6 +53,7 @@ class Objective:
 
     number: str
     of: Judged
+    name: str = ""
 
     def __post_init__(self) -> None:
         one_of("objective.number", self.number, NUMBERS)
@@ -114,4 +120,4 @@ def objective_of(given: Any) -> Objective | Measured:
         share = sign / len(values)
         return share * float(np.sum(values)), [share] * len(values)
 
-    return Objective(number, mean)
+    return Objective(number, mean, given)

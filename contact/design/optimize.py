@@ -1,5 +1,9 @@
 """`optimize`: the best data of a scene within bounds, by scipy with the derivatives of the contact.
 
+The highest pressure is the largest of several local maxima p_k, and designs that make it small have
+several of them equal: it has no derivative there, but each p_k has. So the search is for the least
+t that no p_k exceeds, and a highest pressure that is allowed bounds each p_k.
+
 The search is that of scipy.optimize: SLSQP (D. Kraft, DFVLR-FB 88-28, 1988) under conditions,
 L-BFGS-B (R. H. Byrd, P. Lu, J. Nocedal and C. Zhu, SIAM J. Sci. Comput. 16, 1995, 1190) without,
 and least squares for measured values. What it finds is a local optimum: `Design.optimality` says
@@ -14,9 +18,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from contact.derivatives.places import tops as highest_places
 from contact.derivatives.response import NUMBERS, TABLES
 from contact.derivatives.result import Sensitivity
-from contact.design.objective import Measured, Objective, objective_of
+from contact.design.objective import PEAK, Measured, Objective, objective_of
 from contact.design.variables import Variables
 from contact.errors import NotConverged, SceneError, unwarned
 from contact.extras import require
@@ -101,6 +106,7 @@ class _Contact(NamedTuple):
 
     solutions: tuple[Solution, ...]
     by: tuple[Sensitivity, ...]
+    tops: tuple[Sensitivity, ...]
 
 
 class _Problem:
@@ -116,6 +122,11 @@ class _Problem:
     ) -> None:
         self.variables, self.objective, self.conditions = variables, objective, conditions
         self.at, self.tol = at, tol
+        # Whether the least t is sought that no local maximum of the pressure exceeds.
+        self.levels = isinstance(objective, Objective) and objective.name == PEAK
+        self.needs_tops = self.levels or any(
+            one.number == PEAK and np.isfinite(one.high) for one in conditions
+        )
         self.history: list[Step] = []
         self._known: dict[bytes, _Contact] = {}
         self._gradients: dict[tuple[bytes, str], list[Array]] = {}
@@ -129,7 +140,14 @@ class _Problem:
             with unwarned():
                 found = tuple(self._solved(scene.under(name, value)) for value in self.at)
             by = tuple(Sensitivity(one, stated=False) for one in found)
-            self._known[key] = _Contact(found, by)
+            tops: tuple[Sensitivity, ...] = ()
+            if self.needs_tops:
+                places = [highest_places(one, len(vector) + 1) for one in found]
+                tops = tuple(
+                    Sensitivity(one, stated=False, tops=at)
+                    for one, at in zip(found, places, strict=True)
+                )
+            self._known[key] = _Contact(found, by, tops)
             self.history.append(
                 Step(self.variables.values(vector), self.value(vector), self.numbers(vector))
             )
@@ -200,24 +218,52 @@ class _Problem:
         """The numbers of all conditions at all values of the control, one after the other."""
         return np.array([v for one in self.conditions for v in self.table(vector, one.number)])
 
+    def tops(self, vector: Array) -> Array:
+        """Local maxima of the pressure (values of the control, k), the highest n + 1 of them.
+
+        More than n + 1 do not determine a design of n data. Missing ones are 0.
+        """
+        out = np.zeros((len(self.at), len(vector) + 1))
+        for row, one in zip(out, self.contact(vector).tops, strict=True):
+            row[: len(one.linearized.peaks)] = one.linearized.values.max_pressure
+        return out
+
+    def top_slopes(self, vector: Array) -> Array:
+        """Derivatives of `tops` by the vector (values of the control, k, n)."""
+        key = np.asarray(vector, dtype=float).tobytes(), "tops"
+        if key not in self._gradients:
+            table = []
+            for one in self.contact(vector).tops:
+                slopes = np.zeros((len(vector) + 1, len(vector)))
+                slopes[: len(one.linearized.peaks)] = self.variables.top_slopes(one).T
+                table.append(slopes)
+            self._gradients[key] = table
+        return np.array(self._gradients[key])
+
     def rooms(self, vector: Array) -> Array:
         """How far all conditions are from their bounds, over the bounds' size: none is below 0."""
-        return self._bounded(self.numbers(vector)[:, None], True)[:, 0]
+        return self._bounded(vector, counted=True)
 
     def room_slopes(self, vector: Array) -> Array:
         """Derivatives of `rooms` by the vector (m, n)."""
-        rows = [d for one in self.conditions for d in self.derivatives(vector, one.number)]
-        return self._bounded(np.array(rows), False)
+        return self._bounded(vector, counted=False)
 
-    def _bounded(self, rows: Array, counted: bool) -> Array:
-        out, many = [], len(self.at)
-        for k, one in enumerate(self.conditions):
-            some = rows[k * many : (k + 1) * many]
+    def _bounded(self, vector: Array, counted: bool) -> Array:
+        """`rooms` (m,) if they are counted, else their derivatives (m, n)."""
+        out, n = [], len(vector)
+        for one in self.conditions:
             for bound, sign in ((one.low, 1.0), (one.high, -1.0)):
-                if np.isfinite(bound):
-                    size = abs(bound) or 1.0
-                    out.append(sign * (some - (bound if counted else 0.0)) / size)
-        return np.concatenate(out)
+                if not np.isfinite(bound):
+                    continue
+                if one.number == PEAK and sign < 0:
+                    some = self.tops(vector) if counted else self.top_slopes(vector)
+                elif counted:
+                    some = np.array(self.table(vector, one.number))
+                else:
+                    some = np.array(self.derivatives(vector, one.number))
+                rows = some.reshape(-1) if counted else some.reshape(-1, n)
+                out.append(sign * (rows - (bound if counted else 0.0)) / (abs(bound) or 1.0))
+        return np.concatenate(out) if out else np.zeros(0 if counted else (0, n))
 
 
 def optimize(
@@ -315,6 +361,8 @@ def _minimum(problem: _Problem) -> Design:
     first = problem.gradient(start)
     # The search counts in units of the first gradient: then steps and tolerances are of order 1.
     unit = float(np.abs(first).max()) or 1.0
+    if problem.levels:
+        return _lowest_levels(problem, unit)
     arguments: dict[str, Any] = {
         "method": "L-BFGS-B",
         "options": {"ftol": TOLERANCES.rounding, "gtol": problem.tol},
@@ -336,6 +384,53 @@ def _minimum(problem: _Problem) -> Design:
     best = _within(found.x)
     left = _unbalanced(problem, best)
     return _design(problem, best, left / float(np.linalg.norm(first) or 1.0), str(found.message))
+
+
+def _lowest_levels(problem: _Problem, unit: float) -> Design:
+    """The least mean of levels t, one for each value of the control, that no maximum exceeds.
+
+    The vector of the search is that of the data, and t over `unit`.
+    """
+    start, many = problem.variables.start, len(problem.at)
+    n, mean = len(start), np.concatenate((np.zeros(len(start)), np.full(many, 1 / many)))
+
+    def rooms(both: Array) -> Array:
+        vector = _within(both[:n])
+        below = both[n:, None] - problem.tops(vector) / unit
+        return np.concatenate((below.ravel(), problem.rooms(vector)))
+
+    def slopes(both: Array) -> Array:
+        return _level_slopes(problem, _within(both[:n]), unit)
+
+    levels = problem.tops(start).max(axis=1) / unit
+    found = require("scipy.optimize").minimize(
+        lambda both: float(mean @ both),
+        np.concatenate((start, levels)),
+        jac=lambda both: mean,
+        bounds=[(0.0, 1.0)] * n + [(0.0, None)] * many,
+        method="SLSQP",
+        constraints=[{"type": "ineq", "fun": rooms, "jac": slopes}],
+        options={"ftol": problem.tol},
+    )
+    best = _within(found.x[:n])
+    tops = problem.tops(best)
+    below = 1 - tops / tops.max(axis=1)[:, None]
+    active = np.concatenate((below.ravel(), problem.rooms(best))) <= problem.tol**0.5
+    rows = list(_level_slopes(problem, best, unit)[active]) + _at_bounds(problem, best, n + many)
+    return _design(problem, best, _left(mean, rows) * np.sqrt(many), str(found.message))
+
+
+def _level_slopes(problem: _Problem, vector: Array, unit: float) -> Array:
+    """Derivatives of levels minus local maxima, and of the conditions' rooms."""
+    many, n = len(problem.at), len(vector)
+    tops = problem.top_slopes(vector)
+    rows = np.zeros((*tops.shape[:2], n + many))
+    rows[:, :, :n] = -tops / unit
+    for level in range(many):
+        rows[level, :, n + level] = 1.0
+    rest = problem.room_slopes(vector)
+    rest = np.concatenate((rest, np.zeros((len(rest), many))), axis=1)
+    return np.concatenate((rows.reshape(-1, n + many), rest))
 
 
 def _least_squares(problem: _Problem) -> Design:
@@ -363,20 +458,27 @@ def _within(vector: Array) -> Array:
 
 
 def _unbalanced(problem: _Problem, vector: Array) -> float:
-    """Norm of the part of the gradient that active bounds and conditions do not balance.
+    """Norm of the part of the gradient that active bounds and conditions do not balance."""
+    rows = _at_bounds(problem, vector, len(vector))
+    active = problem.rooms(vector) <= problem.tol**0.5
+    return _left(problem.gradient(vector), rows + list(problem.room_slopes(vector)[active]))
 
-    Their multipliers are the least squares' ones with the right sign (Karush, Kuhn & Tucker).
+
+def _at_bounds(problem: _Problem, vector: Array, count: int) -> list[Array]:
+    """Inward directions, with `count` entries, of the bounds that hold a vector."""
+    close, unit = problem.tol**0.5, np.eye(count)
+    low = [unit[k] for k in np.flatnonzero(vector <= close)]
+    return low + [-unit[k] for k in np.flatnonzero(vector >= 1 - close)]
+
+
+def _left(gradient: Array, rows: list[Array]) -> float:
+    """Norm of the part of a gradient that is no sum of rows with multipliers of the right sign.
+
+    The multipliers are those of least squares (Karush, Kuhn & Tucker).
     """
-    gradient = problem.gradient(vector)
-    close = problem.tol**0.5
-    rows = [np.eye(len(vector))[k] for k in np.flatnonzero(vector <= close)]
-    rows += [-np.eye(len(vector))[k] for k in np.flatnonzero(vector >= 1 - close)]
-    if problem.conditions:
-        active = problem.rooms(vector) <= close
-        rows += list(problem.room_slopes(vector)[active])
+    unit = float(np.linalg.norm(gradient)) or 1.0
     if not rows:
         return float(np.linalg.norm(gradient))
-    unit = float(np.linalg.norm(gradient)) or 1.0
     left: Callable[..., Any] = require("scipy.optimize").nnls
     return float(left(np.array(rows).T, gradient / unit)[1]) * unit
 

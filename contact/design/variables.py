@@ -96,6 +96,12 @@ class Variables:
         return np.asarray(table * (self.high - self.low).reshape((-1,) + (1,) * (table.ndim - 1)))
 
 
+    def top_slopes(self, by: Sensitivity) -> Array:
+        """Derivatives of the pressure at its local maxima by the vector (entries, maxima)."""
+        table = np.concatenate([by.of_tops(name) for name in self.names])
+        return np.asarray(table * (self.high - self.low)[:, None])
+
+
 def _padded(value: Any, count: int) -> Array:
     entries = np.ravel(np.asarray(value, dtype=float))
     return np.append(entries, np.zeros(count - entries.size))

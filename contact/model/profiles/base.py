@@ -293,6 +293,13 @@ class Profile(Named, sie.Kept):
         """
         return None
 
+    def unit_sums(self, name: str, x: Array, heights: Array, slopes: Array) -> Array | None:
+        """The sums of weights times heights and slopes at places x of each profile of `unit_of`.
+
+        None if they are not known for all entries at once.
+        """
+        return None
+
     def parameters(self) -> dict[str, Any]:
         """Arguments by name from which the class can make an equal profile."""
         return parameters(self)

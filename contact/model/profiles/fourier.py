@@ -75,6 +75,22 @@ class Fourier(Profile):
         wave = np.append(np.zeros(index), 1.0)
         return Fourier(self.period, *((wave, [0.0]) if name == "cosine" else ([0.0], wave)))
 
+    def unit_sums(self, name: str, x: Array, heights: Array, slopes: Array) -> Array | None:
+        if name not in ("cosine", "sine"):
+            return None
+        count = np.size(self.cosine)
+        turns = 2j * pi * (np.asarray(self.wrap(x), dtype=float)[:, None] / self.period)
+        # The numbers of harmonics are k = r + s q: one matrix product sums over x for all of them.
+        s = ceil(sqrt(count))
+        low, high = np.exp(turns * np.arange(1, s + 1)), np.exp(turns * s * np.arange(s))
+        of_height, of_slope = (
+            ((high * weights[:, None]).T @ low).ravel()[:count] for weights in (heights, slopes)
+        )
+        rate = 2 * pi / self.period * np.arange(1, count + 1)
+        if name == "cosine":
+            return np.asarray(of_height.real - rate * of_slope.imag)
+        return np.asarray(of_height.imag + rate * of_slope.real)
+
     def height(self, x: ArrayLike) -> Array:
         return self._waves[0](self.wrap(np.asarray(x, dtype=np.float64)))
 
