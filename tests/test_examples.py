@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import contact
+from contact.derivatives.places import tops
 from contact.model import registry
 from docs.pictures import numbers
 from tests.tiers import quick
@@ -80,6 +81,7 @@ def test_prints_that_differ_by_more_than_rounding_are_noticed() -> None:
 COUNTS = {
     "adhesion": (300, 300, 1e6, 6e5),
     "alike": (100, 500, 1e5, 1e6),
+    "even_pressure": (50, 300, 1e5, 1e6),
     "compare_models": (100, 72, 1e4, 1e5),
     "designed_texture": (36, 240, 3e4, 2e4),
     "flat_punch": (100, 48, 1e3, 4e3),
@@ -337,6 +339,9 @@ def test_designs_are_what_their_pages_say() -> None:
     plateau = module("plateau").main()
     fractions = [one.contact_fraction for one in plateau.solutions]
     assert np.ptp(fractions) < 0.14 and plateau.optimality < 1e-5
+    even = module("even_pressure").main()
+    places = tops(even.solution, 7)
+    assert len(places) == 4 and np.ptp(even.solution.pressure(places)) < 1e-6 * even.objective
     joint = module("stiff_joint").main()
     assert joint.solution.max_pressure == pytest.approx(2e8, rel=1e-6)
     assert joint.optimality < 1e-6

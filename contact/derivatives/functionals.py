@@ -42,7 +42,7 @@ class Functionals(sie.Kept):
         """The weights of a number, at the given value of the scene's control.
 
         index: that of the entry, for a number that is an array. The pressure may have the index of
-        one of the places of the highest pressure.
+        one of the places of the largest pressure.
         """
         if self.refusal:
             raise SceneError(f"{self.refusal}: use `of(number, to=...)`", "number", number)

@@ -85,7 +85,7 @@ class Sensitivity(sie.Kept):
     stress : LargestStress or None
         The largest stress, if derivatives of it are asked for.
     tops : ndarray or None
-        Local maxima of the pressure [m], which take the places of the highest pressure.
+        Local maxima of the pressure [m], which take the places of the largest pressure.
 
     Examples
     --------
@@ -286,7 +286,7 @@ class Sensitivity(sie.Kept):
         return Functionals(self.linearized)
 
     def of_tops(self, to: str) -> Array:
-        """Derivatives (entries, k) of the pressure at the places of highest pressure, without error.
+        """Derivatives (entries, k) of the pressure at the places of largest pressure, without error.
 
         to: the name of data of the scene; a number counts as one entry.
         """

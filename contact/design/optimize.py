@@ -1,8 +1,8 @@
 """`optimize`: the best data of a scene within bounds, by scipy with the derivatives of the contact.
 
-The highest pressure is the largest of several local maxima p_k, and designs that make it small have
+The largest pressure is that of several local maxima p_k, and designs that make it small have
 several of them equal: it has no derivative there, but each p_k has. So the search is for the least
-t that no p_k exceeds, and a highest pressure that is allowed bounds each p_k.
+t that no p_k exceeds, and a largest pressure that is allowed bounds each p_k.
 
 The search is that of scipy.optimize: SLSQP (D. Kraft, DFVLR-FB 88-28, 1988) under conditions,
 L-BFGS-B (R. H. Byrd, P. Lu, J. Nocedal and C. Zhu, SIAM J. Sci. Comput. 16, 1995, 1190) without,

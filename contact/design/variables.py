@@ -95,7 +95,6 @@ class Variables:
         table = np.concatenate(parts)
         return np.asarray(table * (self.high - self.low).reshape((-1,) + (1,) * (table.ndim - 1)))
 
-
     def top_slopes(self, by: Sensitivity) -> Array:
         """Derivatives of the pressure at its local maxima by the vector (entries, maxima)."""
         table = np.concatenate([by.of_tops(name) for name in self.names])

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import contact
+from contact.derivatives.places import tops
+from contact.derivatives.result import Sensitivity
 from contact.model.scene import Scene
 
 
@@ -56,6 +58,68 @@ def test_a_design_is_better_than_its_neighbours() -> None:
             contact.solve(changed.under("mean_pressure", p)).contact_fraction for p in (1e7, 1.6e7)
         ]
         assert apart(values)[0] >= best.objective * (1 - 1e-9)
+
+
+def even(scene: Scene, bounds: Any, **more: Any) -> contact.Design:
+    return contact.optimize(scene, "max_pressure", {"profile.cosine": bounds}, **more)
+
+
+def test_the_lowest_highest_pressure_is_that_of_several_equal_peaks() -> None:
+    """Levels t >= p_k: no small change of the data lowers all of the highest peaks."""
+    middle = np.array([-1e-6, 0.0, 0.0])
+    size = np.array([1e-8, 2e-7, 1e-7])
+    scene = Scene(contact.Fourier(1e-4, middle), 1e10, contact.Periodic(), mean_pressure=8e7)
+    best = even(scene, (middle - size, middle + size))
+    found = best.solution
+    peaks = found.pressure(tops(found, 9))
+    assert len(peaks) == 2 and np.ptp(peaks) < 1e-6 * found.max_pressure
+    assert best.optimality < 1e-4 and best.objective == found.max_pressure
+    rng = np.random.default_rng(0)
+    for scale in (1e-3, 1e-1):
+        away = scale * rng.uniform(-1, 1, (4, 3)) * size
+        for other in np.clip(best.data["profile.cosine"] + away, middle - size, middle + size):
+            changed = contact.solve(replace(scene, profile=contact.Fourier(1e-4, other)))
+            assert changed.max_pressure >= best.objective * (1 - 1e-7)
+
+
+@pytest.mark.slow
+def test_the_mean_of_the_highest_pressures_at_several_loads_is_made_small() -> None:
+    middle, size = np.array([-1e-6, 0.0, 0.0]), np.array([1e-8, 2e-7, 1e-7])
+    scene = Scene(contact.Fourier(1e-4, middle), 1e10, contact.Periodic(), mean_pressure=8e7)
+    loads, bounds = (4e7, 1.2e8), (middle - size, middle + size)
+    best = even(scene, bounds, at=loads, subject_to=[("contact_fraction", 0.3, None)])
+    assert best.optimality < 1e-4
+    assert np.isclose(best.objective, np.mean([one.max_pressure for one in best.solutions]))
+    rng = np.random.default_rng(0)
+    for away in 0.05 * rng.uniform(-1, 1, (6, 3)) * size:
+        other = np.clip(best.data["profile.cosine"] + away, *bounds)
+        profile = contact.Fourier(1e-4, other)
+        some = [
+            contact.solve(replace(scene.under("mean_pressure", p), profile=profile)) for p in loads
+        ]
+        allowed = min(one.contact_fraction for one in some) >= 0.3
+        highest = np.mean([one.max_pressure for one in some])
+        assert not allowed or highest >= best.objective * (1 - 1e-7)
+
+
+def test_local_maxima_of_the_pressure_have_the_derivatives_of_differences() -> None:
+    """By the adjoint equation, with fewer maxima than waves, and by the equation of each wave."""
+    waves = contact.Fourier(1e-4, [-1e-6, 2e-7, 3e-7], [1e-7, 0.0, -2e-7])
+
+    def peaks(profile: contact.Profile) -> Any:
+        found = contact.solve(periodic(profile, mean_pressure=1e7), 1e-11)
+        return found.pressure(tops(found, 6))
+
+    solution = contact.solve(periodic(waves, mean_pressure=1e7), 1e-11)
+    places = tops(solution, 6)
+    assert len(places) == 2
+    by = Sensitivity(solution, stated=False, tops=places)
+    table = by.of_tops("profile.sine")
+    for k in range(3):
+        step = 2e-10 * np.eye(3)[k]
+        some = [peaks(contact.Fourier(1e-4, waves.cosine, waves.sine + s * step)) for s in (-1, 1)]
+        assert np.allclose((some[1] - some[0]) / 4e-10, table[k], rtol=1e-5, atol=1e6)
+        assert np.allclose(by.by(f"profile.sine[{k}]").change.values.max_pressure, table[k])
 
 
 def test_data_behind_a_load_curve_are_found_with_their_covariance() -> None:
