@@ -202,7 +202,7 @@ def _label(one: contact.Solution, shown: list[contact.Solution]) -> str:
         if one.mean_pressure is None
         else quantity(one.mean_pressure, "Pa")
     )
-    if len(shown) > 1 and len({other.load for other in shown}) == 1:
+    if len(shown) > 1 and len({f"{other.load:.6g}" for other in shown}) == 1:
         return f"largest pressure {quantity(one.max_pressure, 'Pa')}"
     return f"{pressed}, {len(one.zones)} zones" if len(one.zones) > 1 else pressed
 
