@@ -68,14 +68,16 @@ class Source:
     def field(self, left: Array, right: Array, slope: bool) -> Array:
         """T w, or its derivative by z, off the zone; left = z + 1, right = z - 1."""
         root = np.sign(left) * np.sqrt(left * right)
+        # The differences of nearly equal terms far from the zone are expanded, as left - right = 2.
         if self.end == 1:
-            value, rise = np.sqrt(left / right) - 1, -1 / (right * root)
+            value, rise = 2 / (right * (np.sqrt(left / right) + 1)), -1 / (right * root)
         elif self.end == -1:
-            value, rise = 1 - np.sqrt(right / left), -1 / (left * root)
+            value, rise = 2 / (left * (np.sqrt(right / left) + 1)), -1 / (left * root)
         else:
-            away = 0.5 * (left + right) - self.place
-            value = 1 - root / away
-            rise = (root / away - 0.5 * (left + right) / root) / away
+            at, z = self.place, 0.5 * (left + right)
+            away = z - at
+            value = ((1 - at) * (1 + at) - 2 * at * away) / (away * (away + root))
+            rise = (z * at - 1) / (root * away**2)
         return np.asarray(self.factor * (rise if slope else value))
 
     @property
@@ -263,7 +265,7 @@ class _Adjoint:
         equation = replace(self.problem, moment=moment).equation(
             Load(functional.approach * units.height)
         )
-        forcing = sie.Forcing(value, primitive)
+        forcing = sie.Forcing(value, primitive).trusted()
         try:
             return sie.solve_zones(
                 replace(equation, forcing=forcing), self.zones, TOLERANCES.rounding

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
+from contact.formulation.relief import period_samples
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.base import Array, Profile
 from contact.model.profiles.derive import DETAIL
@@ -309,12 +310,20 @@ def _differ(one: Direction, other: Direction, x: Array) -> float:
 
 
 def places_of(profile: Profile, zones: Array | None = None) -> Array:
-    """Places at which two changes of a profile are compared: on the zones, or in the cell."""
+    """Places at which two changes of a profile are compared: in the cell, and on each zone.
+
+    Bumps may be narrow, so that even places alone could miss what touches.
+    """
     known = profile.support or profile.known or (-1.0, 1.0)
-    if zones is not None and len(zones):
-        known = float(zones.min()), float(zones.max())
     t = (np.arange(DETAIL.min_samples) + 0.4142) / DETAIL.min_samples
-    return np.asarray(known[0] + (known[1] - known[0]) * t)
+    if zones is None or len(zones) == 0:
+        if profile.period is not None:
+            return period_samples(profile)
+        return np.asarray(known[0] + (known[1] - known[0]) * t)
+    lo, hi = float(zones.min()), float(zones.max())
+    share = t[:: int(np.clip(len(zones) // 2, 1, len(t) // 8))]
+    on_zones = zones[:, :1] + np.diff(zones, axis=1) * share
+    return np.concatenate((lo + (hi - lo) * t, on_zones.ravel()))
 
 
 def _same_places(like: Profile, places: list[Array]) -> None:
