@@ -9,7 +9,15 @@ from contact.inside.field import unit_pressure
 from contact.model.units import headed, quantity, text_table, with_error
 from contact.slip.export import INTERVAL_COLUMNS, interval_table
 from contact.slip.result import Slip
-from contact.solution.report import HEADS, Errors, Row, title, total_width, zone_count
+from contact.solution.report import (
+    HEADS,
+    Errors,
+    Row,
+    given_or_found_load,
+    title,
+    total_width,
+    zone_count,
+)
 
 
 def heading(slip: Slip) -> str:
@@ -22,7 +30,7 @@ def numbers(slip: Slip) -> Iterator[Row]:
     solution, scene = slip.solution, slip.solution.scene
     yield "E*", quantity(scene.E_star, "Pa", 10), "given"
     given, errors = scene.given_load is not None, Errors(solution)
-    text, bound = with_error(solution.load, 0.0 if given else errors.load, "N/m")
+    text, bound = with_error(given_or_found_load(solution), 0.0 if given else errors.load, "N/m")
     yield "load", text, "given" if given else bound
     pressure = slip.error * slip.friction * unit_pressure(solution.fields)
     pulled = slip.model == "partial slip"

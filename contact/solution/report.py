@@ -98,10 +98,16 @@ def numbers(solution: Solution) -> list[Row]:
     return [("E*", modulus, "given"), *_quantities(solution), *_counts(solution)]
 
 
+def given_or_found_load(solution: Solution) -> float:
+    """The load [N/m] as it is given, without the round-off of the solution, or as it is found."""
+    given = solution.scene.given_load
+    return solution.load if given is None else given
+
+
 def _quantities(solution: Solution) -> Iterator[Row]:
     scene, errors, width = solution.scene, Errors(solution), total_width(solution)
     period, ratio = scene.profile.period, abs(scene.law.shear_ratio)
-    fraction = solution.contact_fraction
+    fraction, load = solution.contact_fraction, given_or_found_load(solution)
     given = {
         "load": scene.given_load is not None,
         "mean pressure": scene.given_load is not None,
@@ -113,8 +119,8 @@ def _quantities(solution: Solution) -> Iterator[Row]:
         "moment": scene.moment is not None,
     }
     found: list[tuple[str, float | None, str, float | None]] = [
-        ("load", solution.load, "N/m", errors.load),
-        ("mean pressure", solution.mean_pressure, "Pa", errors.load / period if period else None),
+        ("load", load, "N/m", errors.load),
+        ("mean pressure", load / period if period else None, "Pa", errors.load / (period or 1.0)),
         ("largest pressure", solution.max_pressure, "Pa", errors.pressure),
         ("approach", solution.approach, "m", errors.length),
         ("contact fraction", fraction, "", 2 * solution.error * (fraction or 0.0)),
