@@ -206,7 +206,7 @@ class TestLimits:
         )
         with pytest.raises(
             contact.OutOfRange,
-            match=r"9444 times as wide as the length 8.5e-05 m over which the kernel of layer varies",
+            match=r"9444 times as wide as the length 85 µm over which the kernel of layer varies",
         ):
             contact.solve(scene)
 
