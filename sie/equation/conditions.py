@@ -77,7 +77,10 @@ class Rows(Protocol):
         """The amplitude of the equation's term `columns[k]`."""
 
     def on_plateaus(self, weight: Callable[[Array], Array] | None = None) -> float:
-        """Integral of `weight` (None: 1) times the density over the plateaus beside the zones."""
+        """Integral of `weight` (None: 1) times the density over the plateaus.
+
+        A plateau is an interval next to a zone on which the density has a given constant value.
+        """
         return 0.0
 
     def multiplicity(self) -> Array:
@@ -159,7 +162,7 @@ def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, 
 
 
 def of_levels(condition: Condition, zones: Zones) -> Array:
-    """Coefficients (rows, solved zones) of the zones' levels (see `Rows.levels`) in a condition."""
+    """Coefficients of the zones' constant potentials (`Rows.levels`) in the rows of a condition."""
     count = len(zones.solved)
     return asked(condition, Trial(zones, np.zeros((count, count)), np.eye(count)), count)[0]
 
@@ -178,7 +181,7 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
 
 @record
 class ByZone:
-    """Coefficients of a condition with one row for each zone, or for each pair of neighbours.
+    """Coefficients of a condition with one equation for each zone or each pair of neighbours.
 
     `by_zone` finds them from the response of its rows to levels and to densities c_0 / sqrt(1 -
     t^2). Row i of the condition is
@@ -193,13 +196,13 @@ class ByZone:
 
     @property
     def of_levels(self) -> bool:
-        """Whether all rows of the condition contain levels (see `Rows.levels`), else none does."""
+        """Whether all rows of the condition contain potentials (`Rows.levels`), else none does."""
         return bool(np.all(self.levels != 0.0))
 
 
 @record
 class Trial(Rows):
-    """Quantities of a trial density c_0 / sqrt(1 - t^2) on each solved zone.
+    """Quantities of a trial density c_0 / sqrt(1 - t^2), which show the terms of a condition.
 
     Its levels do not depend on the density. first, level: matrices (solved zones, unknowns) from
     the unknowns to c_0 and to the levels.
@@ -211,7 +214,7 @@ class Trial(Rows):
 
     @property
     def _scaled(self) -> Array:
-        """Matrix of the integrals over zones, that is, pi times the half width times `first`."""
+        """Matrix from the unknowns to integrals over zones: pi times half width times `first`."""
         return np.asarray(np.pi * self.zones.half[self.zones.solved][:, None] * self.first)
 
     def totals(self) -> Linear:
@@ -242,15 +245,16 @@ class Trial(Rows):
 
 
 def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
-    """Coefficients of a condition with the rows of `ByZone`; None for other conditions.
+    """The `ByZone` of a condition with one row for each zone or pair of neighbours; else None.
 
     The response of its rows to trial values that are equal on all zones, or rise evenly, gives the
     coefficients. The response to random values shows whether the condition contains anything else.
     """
     solved, count = zones.solved, condition.count(zones)
     n = len(solved)
-    # Whether the rows are differences between the levels of neighbouring zones. With two zones, a
-    # user's condition with one row may be anything else, so only built-in conditions count.
+    # Whether each row is a difference between the constant potentials (`Rows.levels`) of two
+    # neighbouring zones. With two zones, a user's condition with one row may be anything else, so
+    # only built-in conditions count.
     differences = count == n - 1 and (
         n > 2 or (condition.levels and type(condition).rows in BUILT_IN)
     )
@@ -400,7 +404,7 @@ def moment(value: complex, about: float = 0.0) -> Weighted:
 
 @dataclass(frozen=True)
 class ZoneMoments(Condition):
-    """The condition that the sum of the density's moments about the zones' middles is given.
+    """The condition that the density's moments, each about its zone's middle, have a given sum.
 
     If the total of every zone is zero, the sum is minus the integral of the opening, which is the
     primitive of the density.
@@ -478,7 +482,7 @@ class ZoneTotals(Condition):
 
 @dataclass(frozen=True)
 class EqualPotential(Condition):
-    """The condition that the potential minus the primitive of g is the same constant on all zones.
+    """The condition that potential minus the right side's primitive is equal on all zones.
 
     The constant is unknown, so that these are n - 1 conditions for n zones. The right side g must
     have its primitive.
@@ -548,7 +552,7 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The condition amplitude of `columns[k]` = `value` + `per_total` * integral of density.
+    """The condition that the amplitude of `columns[k]` is `value` + `per_total` * total density.
 
     Parameters
     ----------

@@ -169,7 +169,7 @@ class Equation(Kept):
         return bool(np.any(self.kappa)) or np.iscomplexobj(self.kappa)
 
     def weighted(self, zones: Zones) -> Zones:
-        """The zones with the exponents of a density of this equation, as `kappa` gives them.
+        """The zones, with the exponents of the density at their ends that follow from `kappa`.
 
         Raise ValueError for free ends with a complex kappa.
         """

@@ -12,14 +12,14 @@ from sie.trees.hierarchical import Inverse
 
 @dataclass(frozen=True)
 class CoarseOptions:
-    """Options of the coarse problem, which has one unknown c_0 for each zone."""
+    """Options of the preconditioner's coarse problem, which has one unknown load for each zone."""
 
-    # Relative accuracy of the hierarchical inverse of the coarse matrix. The error of the coarse
-    # problem is larger, since the problem neglects how the field of one zone varies over another
-    # zone.
+    # Relative accuracy of the hierarchical inverse of the coarse matrix, which has one unknown for
+    # each zone. The coarse problem itself is less accurate, since it neglects how the field of one
+    # zone varies over another zone.
     tolerance: float = 1e-4
-    # The inverse is reused for moved zones if the ends' mean motion is at most this fraction of the
-    # zone width, and no end has moved by more than one zone width.
+    # The inverse of the coarse matrix is reused for moved zones if the ends' mean motion is at most
+    # this fraction of the zone width, and no end has moved by more than one zone width.
     kept_move: float = 0.1
 
 
@@ -27,10 +27,11 @@ _OPTIONS = CoarseOptions()
 
 
 class CoarseOperator:
-    """The coarse matrix, which acts on the coefficients c_0 of all zones, and its inverse.
+    """Matrix from the coefficients c_0 of all zones to their mean potentials, and its inverse.
 
-    The matrix gives the mean potential on each solved zone from the coefficient c_0 of each zone. A
-    constant times the total load is subtracted, which makes the matrix definite.
+    The density of a zone is c_0 / sqrt(1 - t^2) in this coarse problem of the preconditioner. A
+    constant times the total load is subtracted from the potentials, which makes the matrix
+    definite.
     """
 
     def __init__(self, zones: Zones, system: IterativeSystem) -> None:

@@ -19,11 +19,11 @@ from sie.trees.krylov import gmres
 class IterationOptions:
     """Options of the preconditioned GMRES iteration."""
 
-    # Each run of GMRES with rough sums is a correction, and reduces the residual by this factor.
-    # Rough sums have an error of 1e-7.
+    # Factor by which one run of GMRES reduces the residual. Within a run, fast sums with an error
+    # of 1e-7 (rough sums) give the fields, so that its result is only a correction of the solution.
     correction: float = 1e-6
-    # Lower bound of the scale of each zone's unknowns, relative to the largest unknown of all
-    # zones.
+    # The unknowns of each zone are divided by the largest unknown of the zone. This is the lower
+    # bound of the divisor, relative to the largest unknown of all zones.
     min_scale: float = 1e-4
 
 
@@ -31,7 +31,7 @@ OPTIONS = IterationOptions()
 
 
 class Iterative:
-    """Iterative solver of the rows of an `IterativeSystem`, for any right side.
+    """Iterative solver of the equations of an `IterativeSystem`, for any right side.
 
     value: the value of the open condition, if there is one. error: the error of each zone's
     unknowns (Z,), estimated by the last preconditioned residual.
@@ -52,8 +52,9 @@ class Iterative:
         self.equations = len(system.diagonal)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
-        # The bytes of two arrays that give the sizes of random errors of the rows, and the changes
-        # of the solution by these errors. `states.rounding` computes and stores them.
+        # A key and its value, which `states.rounding` computes and stores. The key is the bytes of
+        # two arrays, the sizes of random errors of the rows. The value is the changes of the
+        # solution that these errors cause.
         self.random_changes: tuple[tuple[bytes, bytes], list[Array]] | None = None
 
     @property
@@ -109,16 +110,16 @@ class Iterative:
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(norm(left_over))
         while True:
-            # Rough sums are accurate enough to reduce the residual by the factor `correction`, not
-            # further.
+            # GMRES uses sums with an error of 1e-7 (rough sums). They are accurate enough to reduce
+            # the residual by the factor `correction`, but no further.
             part = max(wanted, OPTIONS.correction * before)
             found = gmres(
                 lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part
             )
             self.iterations += found.steps
             x = x + found.x * scale
-            # GMRES does not notice the errors of rough sums and of long recurrences, so the
-            # residual is computed again.
+            # GMRES does not notice the errors of its rough sums and of long recurrences, so the
+            # residual is computed again with accurate sums.
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             size, before = before, float(norm(left_over))

@@ -36,7 +36,7 @@ from sie.jumps.right_side import ForcingJumps
 
 @dataclass(frozen=True, eq=False)
 class GradedDensity(DensityBase):
-    """The density phi on zones beside narrow gaps, each with a graded coordinate.
+    """The density phi on zones beside narrow gaps, each zone with a graded coordinate s.
 
     It has the members of `Density`. `solve_zones` makes it.
 
@@ -79,16 +79,19 @@ class GradedDensity(DensityBase):
 
     @property
     def whole(self) -> GradedDensity:
-        """The density with no gap treated as a slit: this object itself."""
+        """The density on the given zones, which is this object: no gap is a cut in a wider zone."""
         return self
 
     @property
     def slit_count(self) -> int:
-        """Number of narrow gaps treated as slits of wider zones: zero in this class."""
+        """Number of narrow gaps that are treated as cuts (slits) inside wider zones: zero here."""
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(mask of the points x in slits, integral of the slits' unknown): zero in this class."""
+        """(mask of the points x in slits, integral of the unknown there): False and zero.
+
+        A slit is a narrow gap that is treated as a cut inside a wider zone. This density has none.
+        """
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
 
@@ -100,7 +103,7 @@ class GradedDensity(DensityBase):
 
     @property
     def closed(self) -> Density | None:
-        """The density caused by the `jumps`, in closed form; None if there are no jumps."""
+        """Density due to jumps of the right side, in closed form; None if there are no jumps."""
         closed = self.system.closed
         return closed.density if self.forced and closed is not None else None
 
@@ -110,7 +113,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def fine(self) -> tuple[GradedSystem, Array]:
-        """(system with enough nodes to resolve psi itself, its unknowns), psi = density * dx/ds.
+        """(system with more nodes, its unknowns), so that psi = density * dx/ds itself is resolved.
 
         Where psi is divided by `Grading.scale` before its series, the scale is singular at the
         distance pi/B from the axis of s, so that psi needs more nodes than the quotient.
@@ -126,12 +129,12 @@ class GradedDensity(DensityBase):
 
     @property
     def nodes(self) -> GradedSystem:
-        """The system of `fine`; its nodes are the quadrature nodes for fields of the density."""
+        """The system whose nodes are the quadrature nodes for fields of the density; see `fine`."""
         return self.fine[0]
 
     @cached_property
     def coefficients(self) -> Array:
-        """Coefficients c_l of psi = sum c_l T_l / sqrt(1 - s^2) on each zone (Z, n)."""
+        """Coefficients (Z, n) of psi = density * dx/ds = sum c_l T_l(s) / sqrt(1 - s^2)."""
         return self.nodes.series(self.fine[1])
 
     @cached_property
@@ -141,22 +144,28 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def powers(self) -> Array:
-        """Powers 0 or 1 (2, Z) of the factors of `Grading.scale`, see `GradedSystem.powers_for`."""
+        """1 or 0 (2, Z): whether psi is divided by the left and right factor of `Grading.scale`.
+
+        psi is the density times dx/ds. See `GradedSystem.powers_for`.
+        """
         return self.system.powers_for(self.unknowns)
 
     @cached_property
     def divided(self) -> Array:
-        """Coefficients of psi divided by `Grading.scale` on each zone (Z, n)."""
+        """Coefficients (Z, n) of psi / `Grading.scale` on each zone; psi = density * dx/ds."""
         return self.system.series(self.unknowns, self.powers)
 
     @cached_property
     def _psi(self) -> tuple[Array, Array, Array]:
-        """Series (alpha, beta, u) of psi = (alpha + beta s) / X + X sum u_k U_k, X^2 = 1 - s^2."""
+        """(alpha, beta, u) of density * dx/ds = (alpha + beta s) / X + X sum u_k U_k.
+
+        X = sqrt(1 - s^2), with the graded coordinate s.
+        """
         return self._bounded(self.coefficients)
 
     @cached_property
     def _series(self) -> tuple[Array, Array, Array]:
-        """The series (alpha, beta, u) as in `_psi`, of psi divided by `Grading.scale`."""
+        """(alpha, beta, u) as in `_psi`, but for the density * dx/ds divided by `Grading.scale`."""
         return self._bounded(self.divided)
 
     def _bounded(self, c: Array) -> tuple[Array, Array, Array]:
@@ -173,13 +182,13 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def charges(self) -> Array:
-        """F_k / n at the nodes of `fine`: the factors of R(s, s_k) at the head of this file."""
+        """Integral of the density around each node of `nodes`, over pi; F_k / n in file's head."""
         system, unknowns = self.fine
         return np.asarray(unknowns[: system.nodes] * system.weights)
 
     # The methods below give values and integrals of the density on the zones.
     def places(self, zone: int, left: Array, right: Array) -> Places:
-        """Places on a zone, from distances from its ends in half widths."""
+        """`Places` on a zone, from distances left and right from its ends in half widths."""
         half = self.zones.half[zone]
         return self.system.gradings[zone].of(half * left, half * right)
 
@@ -206,7 +215,10 @@ class GradedDensity(DensityBase):
         return out
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
-        """Integral of the density from a zone's left end to the place t = cos(angle)."""
+        """Integral of the density from a zone's left end to its point t = cos(angle).
+
+        t runs from -1 at the left end of the zone to 1 at its right end.
+        """
         of, angles = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(angle, float))
         return self._integral(of, *interval.sides(angles))
 
@@ -223,7 +235,10 @@ class GradedDensity(DensityBase):
         return out
 
     def _integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral from the zones' left ends to places given by distances in half widths."""
+        """Integral of the density from the left end of each zone to a point of the zone.
+
+        left, right: distances of the point from the zone's ends, in half widths.
+        """
         out = np.empty(zone.shape)
         for i in np.unique(zone).tolist():
             here = zone == i
@@ -253,7 +268,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def _end_rates(self) -> Array:
-        """dx/ds at the left and right end of each zone (2, Z)."""
+        """dx/ds (2, Z) at the left and right end of each zone, with the graded coordinate s."""
         return np.array([grading.end_rates for grading in self.system.gradings]).T
 
     @cached_property
@@ -264,7 +279,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """Intensities K at both ends of each zone: `charges` / sqrt(2 dx/ds) at the end."""
+        """Intensities K at both ends of each zone; K is the coefficient of 1 / sqrt(distance)."""
         alpha, beta, _ = self._series
         charges = self._end_scales * np.array([alpha - beta, alpha + beta])
         left, right = charges / np.sqrt(2 * self._end_rates)
@@ -294,7 +309,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """Largest density on each zone, and largest rates by motions of its left and right end.
+        """Largest density on each zone, and its largest rates as the left and the right end move.
 
         See `Density.sensitivity`. All are absolute values at the nodes, times sqrt(1 - t^2).
         """
@@ -304,7 +319,7 @@ class GradedDensity(DensityBase):
         return out[0], out[1], out[2]
 
     def _changes_on(self, zone: int) -> list[Array]:
-        """The three quantities whose largest values give `sensitivity`, at the nodes of a zone.
+        """[density, its rate as the left end moves, as the right end moves] at the nodes of a zone.
 
         The slope of the density is a central difference in s, whose steps are resolved beside gaps.
         """
@@ -330,7 +345,7 @@ class GradedDensity(DensityBase):
 
     # The methods below give the transform and the potential.
     def _smooth(self, zone: int, places: Places) -> NDArray[Any]:
-        """The sum over k of (F_k / n) R(s, s_k) on a zone (see the head of this file)."""
+        """A zone's transform by the smooth part R of the kernel, times dx/ds (file's head)."""
         matrix = self.system.gradings[zone].smooth_kernel(places, self.nodes.sources[zone])
         return np.asarray(matrix @ self.charges[self.nodes.own(zone)])
 
@@ -398,7 +413,7 @@ class GradedDensity(DensityBase):
         return np.asarray(np.logical_and(*real) & (size - 1 < excess))
 
     def _far(self, zone: int, from_a: Any, from_b: Any, what: What) -> NDArray[Any]:
-        """Field of one zone by Gauss's rule."""
+        """Field of one zone at places far from the zone, by Gauss's rule."""
         sources, charges = self.nodes.sources[zone], self.charges[self.nodes.own(zone)]
         beyond_b = (np.real(from_b) < 0.5 * np.real(from_a + from_b))[:, None]
         lag = np.where(beyond_b, sources.from_b - from_b[:, None], from_a[:, None] - sources.from_a)
@@ -495,5 +510,5 @@ class GradedPlane:
 
 
 def _upper(z: Complex) -> Complex:
-    """Complex numbers moved to the closed upper half plane."""
+    """Complex numbers z with their imaginary part replaced by |Im z|."""
     return complex_of(z.real, np.abs(z.imag))

@@ -75,21 +75,21 @@ class Grading(Kept):
 
     @cached_property
     def stretch(self) -> float:
-        """Derivative B = du/ds of the coordinate u (head of this module)."""
+        """B = du/ds, where exp(u) is the ratio of the distances from both adjacent zones."""
         return 0.5 * float(np.log1p(self.width / self.before) + np.log1p(self.width / self.after))
 
     @cached_property
     def first_u(self) -> float:
-        """The coordinate u (head of this module) at the zone's left end."""
+        """u at the zone's left end; exp(u) is the ratio of distances from both adjacent zones."""
         return float(np.log(self.before / (self.width + self.after)))
 
     @cached_property
     def last_u(self) -> float:
-        """The coordinate u (head of this module) at the zone's right end."""
+        """u at the zone's right end; exp(u) is the ratio of distances from both adjacent zones."""
         return float(np.log((self.width + self.before) / self.after))
 
     def at(self, left: Array, right: Array) -> Places:
-        """Places on the zone, from 1 + s and 1 - s."""
+        """`Places` on the zone: s is the graded coordinate, left = 1 + s and right = 1 - s."""
         with np.errstate(over="ignore"):
             u = np.where(
                 left < right, self.first_u + self.stretch * left, self.last_u - self.stretch * right
@@ -99,7 +99,7 @@ class Grading(Kept):
         return Places(left, right, u, from_a, from_b, self._rate(from_a, from_b))
 
     def of(self, from_a: Numbers, from_b: Numbers) -> Places:
-        """Places at signed distances from the zone's ends, between the ends of the adjacent zones.
+        """`Places` at signed distances from the zone's ends, up to the ends of adjacent zones.
 
         At complex places the distances are complex.
         """
@@ -117,37 +117,38 @@ class Grading(Kept):
             )
 
     def _rate(self, from_a: Numbers, from_b: Numbers) -> Numbers:
-        """dx/ds at points given by their distances from both ends of the zone."""
+        """dx/ds at points given by distances from both zone ends; s is the graded coordinate."""
         return np.asarray(
             self.stretch * (from_a + self.before) * ((from_b + self.after) / self.reach)
         )
 
     @cached_property
     def ends(self) -> Places:
-        """The zone's left and right end."""
+        """The `Places` of the zone's left and right end."""
         return self.at(np.array([0.0, 2.0]), np.array([2.0, 0.0]))
 
     @cached_property
     def end_rates(self) -> Array:
-        """dx/ds at the left and the right end."""
+        """dx/ds at the zone's left and right end, with the graded coordinate s."""
         return np.asarray(self.ends.rate)
 
     @cached_property
     def end_bends(self) -> Array:
-        """(d^2x/ds^2) / (dx/ds) at the left and the right end."""
+        """(d^2x/ds^2) / (dx/ds) at the zone's left and right end, with the graded coordinate s."""
         return np.asarray(-self.stretch * np.tanh(0.5 * self.ends.u))
 
     def scale(self, places: Places, powers: Array) -> Numbers:
-        """The product of (d + g) / L and (d' + g') / L, each to the power 0 or 1 (file's head).
+        """Product of the distances from the left and right adjacent zone over L, each to a power.
 
-        powers: of the left and of the right factor.
+        powers: 0 or 1 for the left and for the right distance. L is the distance between the
+        adjacent zones.
         """
         left = (places.from_a + self.before) / self.reach if powers[0] else 1.0
         right = (places.from_b + self.after) / self.reach if powers[1] else 1.0
         return np.asarray(left * right * np.ones(np.shape(places.u)))
 
     def scale_bends(self, powers: Array) -> Array:
-        """d log(`scale`) / ds at the left and the right end."""
+        """Derivative of log(`scale`) by the graded coordinate s, at the left and right end."""
         ends = self.ends
         return np.asarray(
             ends.rate
@@ -156,7 +157,10 @@ class Grading(Kept):
 
     # The methods below are functions of pairs: points along the first axis, sources along the last.
     def turns(self, points: Places, sources: Places) -> Numbers:
-        """B (s - s') / 2; s - s' is computed from the zone's end that is nearer to the point."""
+        """(B / 2) (s - s') for points s and sources s'; B is `stretch`, s the graded coordinate.
+
+        The difference s - s' is computed from the zone's end that is nearer to the point.
+        """
         from_left = points.left[:, None] - sources.left
         from_right = sources.right - points.right[:, None]
         nearer = (np.real(points.left) < np.real(points.right))[:, None]
@@ -168,7 +172,7 @@ class Grading(Kept):
         return np.asarray(0.5 * self.stretch * ratio / np.sinh(self.turns(points, sources)))
 
     def smooth_kernel(self, points: Places, sources: Places) -> Numbers:
-        """(dx/ds) / (x - x') - 1 / (s - s')."""
+        """(dx/ds) / (x - x') - 1 / (s - s'): the kernel in s without its pole, which is smooth."""
         rest = coth_less_pole(self.turns(points, sources))
         return np.asarray(0.5 * self.stretch * (rest - np.tanh(0.5 * points.u)[:, None]))
 
@@ -232,11 +236,11 @@ def _log1p(z: Numbers) -> Numbers:
 
 
 def gauss(grading: Grading, count: int) -> Places:
-    """The zone's `count` sources, at Gauss's nodes in s."""
+    """`Places` of the zone's `count` sources, at the zeros of T_count(s) (Gauss's nodes)."""
     return grading.at(*chebyshev.gauss_sides(count))
 
 
 def collocation(grading: Grading, count: int) -> Places:
-    """The zone's `count` - 1 collocation nodes, at the zeros of U_(count - 1) in s."""
+    """`Places` of the zone's `count` - 1 collocation nodes, at the zeros of U_(count - 1)(s)."""
     _, right, left = chebyshev.lobatto(count - 1)
     return grading.at(left[1:-1], right[1:-1])

@@ -86,7 +86,11 @@ class Plateaus:
 def _in_gap(
     i: int, left: tuple[End | None, float], right: tuple[End | None, float]
 ) -> list[tuple[float, float, float]]:
-    """Plateaus (begin, end, value) in the gap after zone i, between two ends (kind, place)."""
+    """Plateaus (begin, end, density) in the gap after zone i.
+
+    left, right: (kind, position) of the zone's end on each side of the gap; the kind is None if
+    there is no zone on that side.
+    """
     (one, begin), (other, end) = left, right
     out = []
     if one is not None and one.value != 0.0 and one.until is not None:
@@ -111,7 +115,7 @@ def _in_gap(
 
 @record
 class Logarithms:
-    """Logarithmic terms of the right side: J/pi times the kernel's potential, for jumps J.
+    """Terms of the right side for jumps J of the density: J/pi times the kernel's potential.
 
     J are the jumps of the density. at: positions s; weight: J/pi; own: the zone that contains s, or
     -1; near: the terms whose s lies outside a zone but close to it, or at its end.
@@ -127,7 +131,7 @@ class Logarithms:
 
     @classmethod
     def of_plateaus(cls, zones: Zones, kernel: Kernel) -> Self:
-        """The terms of the plateaus beside the zones."""
+        """The logarithmic terms of the right side for the plateaus beside the zones."""
         plateaus = Plateaus.beside(zones, kernel.period)
         at = plateaus.table.T.ravel()
         if kernel.period is not None:  # the end of a zone itself, not its rounded image
@@ -141,11 +145,11 @@ class Logarithms:
         return self._summed(x, self._of_lag)
 
     def primitive_at(self, x: Array) -> Array:
-        """The antiderivative of `at_points` at points x (n,)."""
+        """Antiderivative, at points x (n,), of the sum of the right side's logarithmic terms."""
         return self._summed(x, lambda away: potential_primitive(self.kernel, away))
 
     def in_plane(self, z: Complex, what: What) -> Complex:
-        """The sum, its derivative by z or its antiderivative, at complex points z (n,).
+        """Sum of the logarithmic terms, its derivative or its antiderivative, at complex z (n,).
 
         In the lower half plane the result is the conjugate of the result at conj(z).
         """
@@ -159,10 +163,10 @@ class Logarithms:
         return np.where(z.imag < 0, np.conj(out), out)
 
     def off_positions(self, x: Array) -> Array:
-        """Points x (any shape); those at the position of a term are moved by round-off.
+        """Points x, but points exactly at a logarithm of the right side are moved by round-off.
 
-        At its position a term is infinite, and so is the transform of a zone that ends at this
-        position; their sum is finite.
+        The points have any shape. At its position s, a logarithmic term is infinite, and so is the
+        transform of a zone that ends at s; their sum is finite.
         """
         period = self.kernel.period
         low = float(self.at.min(initial=0.0))
@@ -173,7 +177,7 @@ class Logarithms:
         )
 
     def _of_complex_lag(self, away: Complex, what: What) -> Complex:
-        """The kernel's potential, its derivative or its primitive at z - s in the upper half plane.
+        """Kernel's potential, its derivative or its primitive, at lags z - s with Im(z - s) >= 0.
 
         what: "transform", "derivative" or "potential" of the plateaus, in this order.
         """
@@ -202,7 +206,7 @@ class Logarithms:
         return out
 
     def on_zones(self, zone: Index, left: Array) -> Array:
-        """Sum of the logarithmic terms at points of zones, without the singularities nearby.
+        """Sum of the logarithmic terms at points on zones, less singularities on or near the zone.
 
         left: distances from the zones' left ends in half widths. The omitted part is
         (J/pi) ln(2 |t - s|) for a position s in the zone, and (J/pi) ln(2 |rho| |t - s|) for one
@@ -222,8 +226,9 @@ class Logarithms:
         away[point, which] = 1.0
         values = self._of_lag(away)
         if kernel.period is not None:
-            # The distance counts from the image of a position that is nearest to the middle of the
-            # zone. Positions in the zone itself are not shifted.
+            # The distance of a point from a logarithm counts from the periodic image of the
+            # logarithm that is nearest to the middle of the zone. Logarithms in the zone itself are
+            # not shifted.
             turns = np.round((zones.middle[zone[point]] - self.at[which]) / kernel.period)
             outside = self.own[which] != zone[point]
             beside = np.where(outside, beside - turns * kernel.period, beside)
@@ -232,7 +237,10 @@ class Logarithms:
         return np.asarray(values @ self.weight)
 
     def _nearby(self, zone: Index) -> tuple[Index, Index, Array]:
-        """(point, term, |rho|) of terms in the point's zone (|rho| = 1) or close to this zone."""
+        """Pairs of a point and a logarithm in or near its zone: (point, term, |rho|).
+
+        rho belongs to the position of the logarithm relative to the zone; |rho| = 1 on the zone.
+        """
         term = np.flatnonzero(self.own >= 0)
         of_zone = np.concatenate((self.own[term], self.near.zone))
         which = np.concatenate((term, self.near.which))

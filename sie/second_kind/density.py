@@ -31,7 +31,7 @@ from sie.trees.panels import panels_over
 
 @dataclass(frozen=True)
 class TreeOptions:
-    """Option for sums, by a tree, of the fields of all zones at real points."""
+    """Option for summing the fields of all zones at real points by a tree code."""
 
     min_zones: int = 32  # with fewer zones, a direct sum takes no longer
 
@@ -41,7 +41,7 @@ TREES = TreeOptions()
 
 @dataclass(frozen=True, eq=False)
 class SecondKindDensity(DensityBase):
-    """The density of an equation with kappa: on each zone the sum of c_n S_n(t), -1 < t < 1.
+    """Density of an equation with kappa: sum c_n S_n on each zone, S_n = weight * polynomial.
 
     S_n = sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha) p_n(t), with cot(pi alpha) = kappa and
     orthogonal polynomials p_n (`sie.basis.weighted`). Calling the object gives the density at
