@@ -88,17 +88,17 @@ class SecondKindDensity(DensityBase):
 
     @property
     def whole(self) -> Any:
-        """The density on the zones without slits, which is this object itself."""
+        """The density on the given zones, which is this object: no gap is a cut in a wider zone."""
         return self
 
     @property
     def slit_count(self) -> int:
-        """Number of narrow gaps treated as slits of wider zones: zero in this class."""
+        """Number of narrow gaps that are treated as cuts (slits) inside wider zones: zero here."""
         return 0
 
     @property
     def jumps(self) -> ForcingJumps:
-        """No jumps: with kappa, the jumps have other closed forms (`known`)."""
+        """No jumps: with kappa, the densities of the right side's jumps are in `known`."""
         return ForcingJumps.none()
 
     @property
@@ -111,7 +111,7 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def bases(self) -> list[JacobiFunctions]:
-        """The functions S_n of each zone."""
+        """The basis functions S_n (weight times orthogonal polynomial) of each zone."""
         return bases_of(self.zones)
 
     @cached_property
@@ -125,31 +125,31 @@ class SecondKindDensity(DensityBase):
 
     @property
     def _vanishing(self) -> Mask:
-        """Whether the intensity is only round-off at each left and right end (2, Z)."""
+        """Mask (2, Z) of the left and right ends where the intensity K is only round-off."""
         return self.zones.bounded & ~(self.zones.moves & (not self.bounded_ends))
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """Intensities K at both ends of each zone: the density is K d^(-p) at a distance d."""
+        """Intensities K at both ends of each zone: the density is K d^(-p) at small distances d."""
         values = self.edge_values(self.coefficients.shape[1])
         ends = [np.sum(one * self.coefficients, axis=1) for one in values]
         left, right = self.zones.edge_scale * np.where(self._vanishing, 0.0, ends)
         return left, right
 
     def edge_values(self, count: int) -> tuple[Array, Array]:
-        """Values of the polynomials p_n at left ends and at right ends, each (Z, count)."""
+        """Values of the polynomials p_n of S_n at left and at right ends, each (Z, count)."""
         every = np.array([basis.edge_values(count) for basis in self._families])
         left, right = every[self._family].transpose(1, 0, 2)
         return left, right
 
     @cached_property
     def _family(self) -> Index:
-        """Index of the zone's kappa among the different ones (Z,)."""
+        """Index of each zone's kappa in the sorted list of the different kappas (Z,)."""
         return np.asarray(np.unique(self._kappa, return_inverse=True)[1])
 
     @cached_property
     def _families(self) -> list[JacobiFunctions]:
-        """The functions S_n (see `sie.basis.weighted`) for each different kappa of the zones."""
+        """The basis functions S_n (weight times polynomial) for each different kappa of zones."""
         return [JacobiFunctions(one) for one in np.unique(self._kappa).tolist()]
 
     @property
@@ -165,9 +165,10 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A at both ends of each zone; A is the coefficient of d^(1 - p).
+        """Edge slopes A at both ends of each zone: A d^(1 - p) is a term of the density.
 
-        d: distance from the end; p: `zones.weight.exponent`.
+        d is the distance from the end, p is `zones.weight.exponent`, and the density's leading term
+        is K d^(-p).
         """
         unit = np.eye(self.coefficients.shape[1])
         every = np.array(
@@ -222,7 +223,7 @@ class SecondKindDensity(DensityBase):
         return out
 
     def _at(self, i: int, left: Array, right: Array) -> Array:
-        """Density on zone i at the distances left = 1 + t and right = 1 - t from its ends."""
+        """Density on zone i at distances left = 1 + t and right = 1 - t from its ends."""
         out = self.bases[i].density(self._split[i], left, right)
         for one in self.known:
             if one.zone == i:
@@ -253,19 +254,19 @@ class SecondKindDensity(DensityBase):
         return out
 
     def _integral_to(self, i: int, left: Array, right: Array) -> Array:
-        """Integral over zone i from its left end to the distances left = 1 + t, right = 1 - t."""
+        """Integral of the density on zone i from its left end to t; left = 1 + t, right = 1 - t."""
         value = self.bases[i].integral_to(self.coefficients[i], left, right)
         of_jumps = [one.integral_to(left, right) for one in self.known if one.zone == i]
         return np.asarray(self.zones.half[i] * (value + sum(of_jumps)))
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(False, 0) at every x, because no gap of this density is treated as a slit."""
+        """(False, 0) at every x, because no gap is treated as a cut (slit) in a wider zone."""
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(largest density, its largest change if the left end moves, if the right end moves).
+        """On each zone: (largest density, its largest change if the left, if the right end moves).
 
         Changes are those at equal normalised position, divided by the motion relative to the zone's
         width. A motion of the right end by eps widths changes a bounded density by
@@ -285,7 +286,7 @@ class SecondKindDensity(DensityBase):
 
     @property
     def _known_jumps(self) -> list[KnownJumps]:
-        """Closed forms of the densities of jumps, without those of values at ends."""
+        """Closed forms of the densities due to jumps, without those of given values at ends."""
         return [one for one in self.known if isinstance(one, KnownJumps)]
 
     def _kinks_of(self, zone: int) -> tuple[Array, Array]:
@@ -295,7 +296,7 @@ class SecondKindDensity(DensityBase):
         return at, np.concatenate([one.factors for one in parts])
 
     def _changes(self, group: Index, angle: Array) -> Array:
-        """Largest values (3, zones) of the three quantities of `sensitivity` on zones of one kappa.
+        """The three results of `sensitivity` (3, zones) on the zones `group`, all of one kappa.
 
         Angles closer to an end than `DensityOptions.end_distance` are moved to that distance.
         """
@@ -326,7 +327,7 @@ class SecondKindDensity(DensityBase):
         if self._tree is None:
             out = by_rows(partial(self._sums_on_line, potential=potential), flat)
         else:
-            # The tree contains the kernel's regular part too.
+            # The sums over the tree contain the fields of the kernel's regular part too.
             of = self._tree.potential if potential else self._tree.transform
             return np.asarray(of(flat).reshape(x.shape))
         regular = self.kernel.regular_potential if potential else self.kernel.regular
@@ -345,7 +346,7 @@ class SecondKindDensity(DensityBase):
         return SecondKindTree(self)  # type: ignore[arg-type]
 
     def first(self, count: int) -> Array:
-        """The first `count` moments of the density of each zone (Z, count)."""
+        """The first `count` Chebyshev moments of the density of each zone (Z, count)."""
         out = np.empty((len(self.zones), count), dtype=self._numbers)
         for i, (basis, c) in enumerate(zip(self.bases, self.coefficients, strict=True)):
             known = sum(one.moments(count) for one in self.known if one.zone == i)
@@ -388,7 +389,7 @@ class SecondKindDensity(DensityBase):
         return np.asarray(w * (out + total * np.log(w / self.kernel.datum)))
 
     def _off_zone(self, i: int, seen: Outside, potential: bool) -> Array:
-        """Transform of zone i's density off the zone, or, if `potential`, its potential / w.
+        """Transform of zone i at points off it or, if `potential`, its potential over half width.
 
         Here w is the zone's half width. Far away, a sum over moments takes less time than the
         closed forms.
@@ -411,7 +412,7 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def _far_moments(self) -> list[Array]:
-        """For each zone, as many Chebyshev moments as its far field needs."""
+        """The Chebyshev moments of each zone's density that determine its field far away."""
         return list(self.first(FAR_TERMS))
 
     def _regular(self, x: Any, regular: Regular) -> Any:
@@ -424,7 +425,7 @@ class SecondKindDensity(DensityBase):
         return [self._rule(i, basis) for i, basis in enumerate(self.bases)]
 
     def _rule(self, i: int, basis: JacobiFunctions) -> tuple[Array, Array]:
-        """(nodes of zone i, weights times density) that resolve the kernel's regular part."""
+        """(nodes, weights times density) on zone i that resolve the kernel's regular part."""
         c, w = self.coefficients[i], float(self.zones.half[i])
         q = regular_size(self.kernel, w, len(c) - 1)
         series = basis.moments(len(c), q) @ c
@@ -439,7 +440,8 @@ class SecondKindDensity(DensityBase):
         if np.iscomplexobj(self.coefficients):
             out, below = np.empty(len(z), dtype=complex), z.imag < 0
             out[~below] = self._above(z[~below], what)
-            # At z below the real line, F is the conjugate of the conjugate density's F at conj(z).
+            # Below the real line, the transform at z is the conjugate of the transform of the
+            # conjugate density at conj(z).
             out[below] = np.conj(self._conjugate._above(np.conj(z[below]), what))
             return out
         above = self._above(z.real + 1j * np.abs(z.imag), what)
@@ -476,7 +478,7 @@ class SecondKindDensity(DensityBase):
 
 
 class SecondKindTree(Treecode):
-    """A `Treecode` whose near zones have the closed forms of their exponents."""
+    """Tree code for the fields of a density with kappa; near zones use their closed forms."""
 
     density: SecondKindDensity  # type: ignore[assignment]
 

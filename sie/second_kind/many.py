@@ -77,13 +77,13 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
 
 
 def nodes_of(m: int) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) at the zeros of U_m."""
+    """(1 + t, 1 - t) at the zeros t of U_m."""
     _, right, left = chebyshev.lobatto(m)
     return left[1:-1], right[1:-1]
 
 
 def between_nodes(m: int) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) at t = cos(THETA), the same points for every number m of modes."""
+    """(1 + t, 1 - t) at the check points t = cos(THETA), the same for every number m of modes."""
     return 2 * np.cos(0.5 * THETA) ** 2, 2 * np.sin(0.5 * THETA) ** 2
 
 
@@ -103,7 +103,7 @@ class FieldSums:
 
     @cached_property
     def groups(self) -> list[tuple[Any, int, Index, Index]]:
-        """(basis, mode m, zones, their unknowns) of the zones with one kappa and one m."""
+        """For each kappa and number m of modes: (basis, m, zones, unknowns of these zones)."""
         return [
             (basis, m, group, self.layout.offset[group][:, None] + np.arange(m + 1))
             for basis, m, group in alike(self.zones, self.layout.m)
@@ -111,17 +111,17 @@ class FieldSums:
 
     @property
     def size(self) -> int:
-        """Number of terms of one sum: entries of the near matrix, and terms of far series."""
+        """Number of terms per evaluation: entries of the near matrix plus terms of far series."""
         return int(self.near.nnz) + len(self.far.far) * TERMS
 
     @cached_property
     def near(self) -> Any:
-        """Sparse matrix from the unknowns to the field at the nodes due to the pairs `far.near`."""
+        """Sparse matrix from the unknowns to the field of near zones at the nodes of each zone."""
         return self._near(nodes_of)
 
     @cached_property
     def near_between(self) -> Any:
-        """Sparse matrix like `near`, but to the field at the angles THETA instead of the nodes."""
+        """Sparse matrix like `near`, but to the field at the angles THETA between the nodes."""
         return self._near(between_nodes)
 
     def _near(self, points: PointsOf) -> Any:
@@ -129,8 +129,8 @@ class FieldSums:
         other = ~((pairs.target == pairs.source) & (pairs.shift == 0.0))
         target, source, shift = pairs.target[other], pairs.source[other], pairs.shift[other]
         sign, gap = apart(zones, Pairs(target, source, shift))
-        # At the point nearest to the source the transforms decay most slowly. Their rate of decay
-        # there gives the number of modes above round-off.
+        # The transforms of a zone's modes decay with the mode number, most slowly at the point
+        # nearest to the zone. The rate of decay there gives the number of modes above round-off.
         first = np.array([points(int(n))[0].min() for n in range(1, int(layout.m.max()) + 1)])
         excess = (gap + zones.half[target] * first[layout.m[target] - 1]) / zones.half[source]
         need = np.ceil(DIGITS / decay_rate(excess) / 8).astype(np.intp) * 8
@@ -166,11 +166,14 @@ class FieldSums:
         return sparse.coo_array((entries, places), shape=shape).tocsr()
 
     def _far_series(self, y: Array, rough: bool) -> Array:
-        """Chebyshev series (Z, TERMS), on each zone, of the transform of all far zones."""
+        """Chebyshev series (Z, TERMS), on each zone, of the transform of all zones far from it."""
         return self._far(y, rough)[0]
 
     def _far(self, y: Array, rough: bool) -> tuple[Array, Array, Array]:
-        """The result of the `FarSum` `self.far` for the unknowns y."""
+        """(series of the transform, two parts of the potential in zone middles), of far zones.
+
+        The unknowns y determine the densities of the zones.
+        """
         leaves = np.zeros((len(self.zones), TERMS))
         for basis, m, group, unknowns in self.groups:
             leaves[group] = y[unknowns] @ basis.moments(m + 1, TERMS).T
@@ -178,20 +181,20 @@ class FieldSums:
         return self.far(leaves * self.zones.half[:, None], rough)
 
     def __call__(self, y: Array, rough: bool = False) -> Array:
-        """Coefficients of D_0 ... D_(m-1) in the field on each zone, zone after zone.
+        """Coefficients of other zones' field in the polynomials D_k (file's head), zone by zone.
 
         rough: whether an error of 1e-7 of the whole far field is small enough.
         """
         return self.projected(self.near @ y, self.far_rows(self._far_series(y, rough)))
 
     def fields_and_middles(self, y: Array, rough: bool = False) -> tuple[Array, Array]:
-        """(result of `__call__`, potential of far zones in the middle of each zone)."""
+        """(coefficients as from `__call__`, potential of far zones in the middle of each zone)."""
         series, middle, rest = self._far(y, rough)
         return self.projected(self.near @ y, self.far_rows(series)), middle + rest
 
     @staticmethod
     def far_rows(series: Array) -> Array:
-        """Coefficients in U_(k-1) of Chebyshev series (Z, TERMS)."""
+        """Coefficients of U_(k-1), from coefficients of T_l (Z, TERMS) of the same functions."""
         far = 0.5 * series
         far[:, :-2] -= 0.5 * series[:, 2:]
         far[:, 0] += 0.5 * series[:, 0]
@@ -219,9 +222,10 @@ class FieldSums:
         return sparse.coo_array((np.concatenate(data), places), shape=shape).tocsr()
 
     def projected(self, at_nodes: Array, far: Array | None = None) -> Array:
-        """Coefficients of a field in the polynomials D_(k-1), k = 1 ... m, for each zone in turn.
+        """Coefficients of a field in the polynomials D_(k-1) (file's head) on each zone in turn.
 
-        The field is the sum of its part with values `at_nodes` and of the series `far` in U_(k-1).
+        k runs from 1 to the number m of modes. The field is the sum of its part with values
+        `at_nodes` and of the series `far` in U_(k-1).
         """
         out, first = np.empty(len(at_nodes)), np.cumsum(self.layout.m) - self.layout.m
         for basis, m, group, _ in self.groups:
@@ -233,14 +237,14 @@ class FieldSums:
         return out
 
     def between(self, y: Array) -> Array:
-        """Field between the nodes of each zone, at the angles THETA (Z, points)."""
+        """Field of other zones on each zone, at the angles THETA between its nodes (Z, points)."""
         series = self._far_series(y, False)
         waves = np.cos(np.arange(TERMS)[:, None] * THETA)
         return np.asarray(series @ waves + (self.near_between @ y).reshape(-1, len(THETA)))
 
 
 def apart(zones: Zones, pairs: Pairs) -> tuple[Array, Array]:
-    """(1 or -1 if the target zone is right or left of the source zone, gap between both)."""
+    """(1 or -1 if the target zone is right or left of the source zone, gap between them)."""
     t, s, shift = pairs.target, pairs.source, pairs.shift
     right = zones.middle[t] > zones.middle[s] + shift
     past = (zones.a[t] - (zones.b[s] + shift)) + (zones.rest[0, t] - zones.rest[1, s])
@@ -250,7 +254,7 @@ def apart(zones: Zones, pairs: Pairs) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class ManyRows(Rows):
-    """The rows of an equation with kappa on many zones, without their matrix."""
+    """Linear system of an equation with kappa on many zones, without its matrix."""
 
     dense: SecondKindRows
     sums: FieldSums = field(repr=False)
@@ -258,7 +262,7 @@ class ManyRows(Rows):
 
     @classmethod
     def of(cls, system: SecondKindRows, far: FarSum | None = None) -> Self:
-        """The rows of the equation of `system`.
+        """The linear system of the equation of `system`.
 
         far: sums over far zones; new ones are computed if it is None.
         """
@@ -279,9 +283,10 @@ class ManyRows(Rows):
 
     @cached_property
     def held(self) -> tuple[Index, Array | None]:
-        """(zone of each condition, values of p_k, k > 0, at the bounded fixed end of each zone).
+        """(zone of each condition, values of p_k, k > 0, at that zone's bounded fixed end).
 
-        The values are None if the conditions prescribe the totals of the zones.
+        p_k are the orthogonal polynomials of the basis functions. The values are None if the
+        conditions prescribe the totals of the zones.
         """
         left, right = self.zones.fixed_bounded
         if not left and not right:
@@ -295,7 +300,7 @@ class ManyRows(Rows):
         return np.array([*left, *right], dtype=np.intp), out
 
     def conditions(self) -> tuple[Array, Array]:
-        """((values of the conditions minus their known parts) / scales, scales)."""
+        """(right sides of the side conditions divided by scales, the scales)."""
         zones, equation = self.zones, self.dense.equation
         if equation.conditions:
             _, constants, totals = equation.conditions[0].rows(self)
@@ -309,11 +314,11 @@ class ManyRows(Rows):
 
     @cached_property
     def right(self) -> Array:
-        """Coefficients of the right side in D_0 ... D_(m-1) (module head), zone after zone."""
+        """Coefficients of the right side in the polynomials D_k (file's head), zone by zone."""
         return self.sums.projected(self.dense.right_side(self.dense.points[0]))
 
     def residuals(self, y: Array) -> Array:
-        """Left side minus right side at the angles THETA, times sin(theta) (Z, points)."""
+        """Residual of the equation at the zones' angles THETA, times sin(theta) (Z, points)."""
         zones, out = self.zones, self.sums.between(y)
         left, right = between_nodes(0)
         for basis, m, group, unknowns in self.sums.groups:
@@ -336,7 +341,7 @@ class ManyRows(Rows):
 
 
 class ManySolver:
-    """Iterative solver of the rows of `ManyRows`, for any right side.
+    """Iterative solver of the linear system `ManyRows`, for any right side.
 
     Right sides have the rows of the equation first, then the totals divided by pi times the half
     width, or the intensities at bounded ends divided by those of the weight.
@@ -349,15 +354,15 @@ class ManySolver:
 
     def __init__(self, rows: ManyRows, tolerance: float) -> None:
         self.rows, self.tolerance, self.iterations = rows, tolerance, 0
-        # (unknowns of a solution, their changes by random errors of the rows); None before the
-        # first estimate.
+        # A pair for round-off estimates: (unknowns of a solution, their changes by random errors of
+        # the equations). It is None before the first estimate.
         self.random_changes: tuple[Array, Array] | None = None
         self.is_loose = tolerance > ITERATION.correction
         self.error = np.zeros(len(rows.zones))
         self.order, self.edge_values = rows.held
 
     def _firsts(self, v: Array, given: Array) -> Array:
-        """The coefficients c_0 (Z,), from the other coefficients and the given conditions."""
+        """Coefficients c_0 (Z,), from the other coefficients `v` and the conditions' values."""
         m = self.rows.dense.layout.m
         out = np.zeros(len(m))
         out[self.order] = given
@@ -408,7 +413,7 @@ class ManySolver:
         start: Array | None,
         wanted: float,
     ) -> tuple[Array, Array]:
-        """(x with operator(x) = given, by GMRES and corrections; the residual over `scale`).
+        """(solution x of operator(x) = given, by GMRES and corrections; residual over `scale`).
 
         operator: its second argument says whether rough sums suffice. start: a first guess of x.
         wanted: largest norm of the residual over `scale`.
@@ -429,7 +434,7 @@ class ManySolver:
                 return x, left_over
 
     def _scale(self, given: Array, firsts: Array) -> Array:
-        """Scale of each unknown: the largest of |`given`|, |`firsts`| of its zone and `least`."""
+        """Scale of each unknown: the largest |`given`| and |`firsts`| of its zone, or a bound."""
         m = self.rows.dense.layout.m
         largest = np.maximum.reduceat(np.abs(given), np.cumsum(m) - m)
         largest = np.maximum(largest, np.abs(firsts))
@@ -438,7 +443,7 @@ class ManySolver:
         return np.repeat(np.maximum(largest, least), m)
 
     def row_errors(self, y: Array, residuals: Array, missing: Array) -> Array:
-        """Error of each row: round-off, truncated coefficients, residual between the nodes.
+        """Error of each equation: round-off, truncated coefficients, residual between the nodes.
 
         Rows of the equation count as values at the nodes times sin(theta). missing: estimated sum
         of the truncated coefficients of each zone (Z,).
@@ -454,8 +459,8 @@ class ManySolver:
         last = np.zeros(layout.size)
         last[layout.offset + layout.m] = missing
         truncated = np.add.reduceat(np.abs(rows.sums(last, rough=True)), starts)
-        # `places` is the error of the right side g that is due to the rounding of the nodes. The
-        # slope of g is bounded by the sum of k |g_k|, without the constant term D_0.
+        # `places` is the error of the right side g due to the rounding of the nodes. The slope of g
+        # is bounded by the sum of k |g_k| over the coefficients g_k, without the constant term D_0.
         varies = np.where(np.isin(np.arange(layout.coefficients), layout.offset + 1), 0.0, 1.0)
         orders = np.concatenate([np.arange(1, m + 1) for m in layout.m.tolist()])
         slopes = np.add.reduceat(orders * varies[rows.others] * np.abs(rows.right), starts)
@@ -467,7 +472,7 @@ class ManySolver:
         )
 
     def projected(self, values: Array) -> Array:
-        """The right side of the solved equations, from the values of the full equations.
+        """Right sides of the equations for coefficients, from those of the equations at the nodes.
 
         values: sin(theta) times a function at the nodes, followed by the totals.
         """

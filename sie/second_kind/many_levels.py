@@ -44,7 +44,7 @@ def _middle(m: int) -> tuple[Array, Array]:
 
 
 def unfit(equation: Equation, zones: Zones) -> str | None:
-    """The reason, as a message, why these sums do not apply to the equation; None if they do."""
+    """The reason, as a message, why fast sums do not apply with potentials; None if they do."""
     lacking = lacks_fast_fields(equation, zones)
     if lacking is not None:
         return lacking
@@ -61,12 +61,13 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
 
 
 class LevelRows(ManyRows):
-    """The rows of an equation whose conditions contain levels; see the module's docstring."""
+    """Linear system of an equation with conditions on potentials, for many zones."""
 
-    # Fields of the parts of the density that belong to jumps of the right side.
+    # The next two methods give fields of the density's part that jumps of the right side cause.
+    # This part is known in closed form.
     @cached_property
     def _known_far(self) -> tuple[Array, Array]:
-        """(series of the transform, potential in each zone's middle) due to jumps in far zones."""
+        """(series of the transform, potential in each zone's middle) due to jumps on far zones."""
         leaves = np.zeros((len(self.zones), TERMS))
         for one in self.dense.jumps:
             leaves[one.zone] += one.moments(TERMS)
@@ -141,7 +142,7 @@ class LevelRows(ManyRows):
 
     @cached_property
     def column_rows(self) -> Array:
-        """Coefficients (columns, rows) of the equation's columns, in the polynomials of `right`."""
+        """Coefficients, as in `right`, of the terms of unknown amplitude (columns, rows)."""
         x = self.dense.points[0].x
         columns = [
             self.sums.projected(np.broadcast_to(np.asarray(one.value(x), dtype=float), x.shape))
@@ -151,7 +152,7 @@ class LevelRows(ManyRows):
 
     @cached_property
     def column_heights(self) -> Array:
-        """Primitives of the columns in the middles of zones (columns, Z)."""
+        """Primitives of the terms of unknown amplitude in the middles of zones (columns, Z)."""
         x, columns = self.zones.middle, self.dense.equation.columns
         heights = [np.asarray(one.primitive(x), dtype=float) for one in columns if one.primitive]
         return np.array(heights).reshape(-1, len(x))
@@ -163,7 +164,7 @@ class LevelRows(ManyRows):
 
     @cached_property
     def level_constants(self) -> Array:
-        """The part of each zone's level that does not depend on the unknowns (Z,)."""
+        """Part of each zone's constant potential (level) that no unknown changes (Z,)."""
         forcing, zones = self.dense.equation.forcing, self.zones
         assert forcing.primitive is not None
         out = -np.asarray(forcing.primitive(zones.middle), dtype=float)
@@ -180,9 +181,10 @@ class LevelRows(ManyRows):
 
     @cached_property
     def _own_levels(self) -> list[Array]:
-        """Part of a zone's level per unit of each own unknown; a row for each of `sums.groups`.
+        """Part of a zone's constant potential (level) per unit of each of its own unknowns.
 
-        This part is divided by the half width, and lacks the logarithm of the half width.
+        There is one row for each of `sums.groups`. This part is divided by the half width, and
+        lacks the logarithm of the half width.
         """
         out = []
         for basis, m, _, _ in self.sums.groups:
@@ -193,7 +195,7 @@ class LevelRows(ManyRows):
         return out
 
     def applied(self, y: Array, rough: bool = False) -> tuple[Array, "AppliedRows"]:
-        """For unknowns y: (coefficients of other zones' field minus columns, `AppliedRows`)."""
+        """(coefficients of other zones' field less column terms, `AppliedRows`), for unknowns y."""
         field, middle = self.sums.fields_and_middles(y, rough)
         zones, layout = self.zones, self.sums.layout
         level = middle + self.near_middles @ y
@@ -207,7 +209,7 @@ class LevelRows(ManyRows):
         return field - amplitudes @ self.column_rows, AppliedRows(self, y, level)
 
     def condition_values(self, opened: float) -> Array:
-        """Prescribed values of all conditions, minus the constants of the conditions.
+        """Right sides of all side conditions: prescribed values less the conditions' constants.
 
         opened: added to the value of the open condition.
         """
@@ -223,7 +225,7 @@ class LevelRows(ManyRows):
         return np.concatenate(rows)
 
     def integral_rows(self, weight: Weight, degree: int | None) -> tuple[list[Array], Array]:
-        """(rows of the zones' integrals of `weight` * density, known parts of these integrals)."""
+        """(rows for the integral of `weight` * density over each zone, known parts of them)."""
         if (weight, degree) not in self._integrals:
             known, rows, layout = np.zeros(len(self.zones)), [], self.sums.layout
             for i, basis in enumerate(bases_of(self.zones)):
@@ -245,7 +247,7 @@ class LevelRows(ManyRows):
 
     @cached_property
     def coarse(self) -> tuple[Array, Index]:
-        """LU factors of the conditions' matrix for c_0 and amplitudes alone."""
+        """LU factors of the side conditions' matrix, with only c_0 and amplitudes as unknowns."""
         zones, layout = self.zones, self.sums.layout
         count, columns = len(zones), layout.columns
         level = np.zeros((count, count + columns))
@@ -280,7 +282,7 @@ class LevelRows(ManyRows):
 
 @record
 class _Coarse(Trial):
-    """A `Trial` whose last unknowns are the amplitudes of the columns."""
+    """Trial densities c_0 / sqrt(1 - t^2) whose last unknowns are the columns' amplitudes."""
 
     def amplitude(self, k: int) -> Linear:
         row = np.zeros((1, self.first.shape[1]))
@@ -290,7 +292,7 @@ class _Coarse(Trial):
 
 @record
 class AppliedRows(Rows):
-    """The matrices that conditions use, each replaced by its product with `y`, one column."""
+    """Quantities for side conditions; each matrix is replaced by its product with `y`."""
 
     of: LevelRows
     y: Array
@@ -321,7 +323,7 @@ class AppliedRows(Rows):
 
 
 class LevelSolver(ManySolver):
-    """Iterative solver of `LevelRows`; right sides end with the values of all conditions."""
+    """Iterative solver of the system `LevelRows`; right sides end with the conditions' values."""
 
     rows: LevelRows
 
@@ -366,8 +368,9 @@ class LevelSolver(ManySolver):
         by_zone = super().row_errors(y, residuals, missing)[: len(rows.others)]
         first = np.abs(zones.half * y[rows.sums.layout.offset])
         logs = np.abs(np.log(zones.half / rows.dense.equation.kernel.datum))
-        # The level is a sum of the zones' potentials, each about `first` * (1 + `logs`). The
-        # round-off errors of these terms are added as a root of squares.
+        # A level (constant potential of a zone) is a sum of the zones' potentials, each about
+        # `first` * (1 + `logs`). The round-off errors of these terms are added as a root of
+        # squares.
         size = float(np.hypot(norm(first * (1 + logs)), np.abs(rows.level_constants).max()))
         applied, out = rows.applied(y)[1], []
         for condition in rows.dense.equation.conditions:

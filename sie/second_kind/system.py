@@ -30,7 +30,7 @@ from sie.second_kind.jumps import Known
 
 
 def bases_of(zones: Zones) -> list[JacobiFunctions]:
-    """The functions S_n of each zone, which depend on the zone's kappa only."""
+    """The basis functions S_n (weight times polynomial) of each zone, from the zone's kappa."""
     kappa = zones.weight.kappa
     assert kappa is not None
     return [JacobiFunctions(one) for one in kappa.tolist()]
@@ -65,7 +65,7 @@ def targets_at(zones: Zones, theta: Array) -> Targets:
 
 
 def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout) -> Array:
-    """kappa phi + T phi at the targets, for a unit of each coefficient (points, unknowns)."""
+    """Left side kappa phi + T phi at points, for a unit of each coefficient (points, unknowns)."""
     numbers = zones.weight.numbers
     out = np.zeros((len(targets.x), layout.size), dtype=numbers)
     for basis, m, sources in alike(zones, layout.m):
@@ -85,7 +85,7 @@ def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layo
 
 
 def _add_own(out: Array, zones: Zones, targets: Targets, layout: Layout) -> None:
-    """Add each zone's field on itself, -sum c_n D_(n-1), to the table `out` of `fields`."""
+    """Add to `out`, a table of `fields`, the left side on each zone due to its own density."""
     for i, basis in enumerate(bases_of(zones)):
         here, m, first = np.flatnonzero(targets.zone == i), int(layout.m[i]), layout.offset[i]
         w = zones.half[i]
@@ -167,7 +167,7 @@ class SecondKindRows(Rows):
 
     @cached_property
     def beside(self) -> Logarithms | None:
-        """The logarithmic terms of the plateaus beside the zones; None if there are none."""
+        """Logarithms of the right side due to plateaus of the density beside zones; else None."""
         zones = self.zones
         return Logarithms.of_plateaus(zones, self.equation.kernel) if zones.have_values else None
 
@@ -177,12 +177,12 @@ class SecondKindRows(Rows):
         return nodes(self.zones, self.layout.m)
 
     def rows(self) -> tuple[Array, Array]:
-        """(matrix, right side) of the equation at the nodes."""
+        """(matrix, right side) of the equation at the nodes; rows are multiplied by sin(theta)."""
         targets, sines = self.points
         return sines[:, None] * self.left_side(targets), sines * self.right_side(targets)
 
     def right_side(self, targets: Targets) -> Array:
-        """The right side for the smooth density, at points on the zones.
+        """Right side for the smooth part of the density, at points on the zones.
 
         It is the given right side minus the left side for the densities that the jumps cause.
         """
@@ -206,7 +206,7 @@ class SecondKindRows(Rows):
         return out
 
     def forcing_at(self, targets: Targets) -> Array:
-        """The right side at points on the zones, with the jumps."""
+        """The right side g of the equation, with its jumps, at points on the zones."""
         numbers = self.zones.weight.numbers
         g = np.asarray(self.equation.forcing.value(targets.x), dtype=numbers)
         return np.broadcast_to(g, targets.x.shape).copy()
@@ -302,7 +302,7 @@ class SecondKindRows(Rows):
         return rows, np.add.reduceat(constants, starts) / layout.m + before @ known
 
     def _known_potential(self, targets: Targets) -> Array:
-        """Potential of the jumps' densities at points on the zones, as in `potentials`."""
+        """Potential of the densities that jumps of the right side cause, at points on the zones."""
         zones, kernel, out = self.zones, self.equation.kernel, np.zeros(len(targets.x))
         for one in self.jumps:
             w, own = zones.half[one.zone], targets.zone == one.zone

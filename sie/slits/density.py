@@ -27,15 +27,15 @@ from sie.slits.kinks import SlitKink
 from sie.slits.plane import SlitPlane
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, outside_slit
 
-# Distance from a wide zone, divided by the zone's half width. At larger distances, the first
-# `min_slack_modes` coefficients of the slack (the unknown function in a slit) give the slack's
-# field to round-off.
+# Distance from a wide zone over its half width, beyond which a short series is enough. The first
+# `min_slack_modes` coefficients of the slack (the unknown function in a slit) then give its field
+# to round-off.
 _FAR = excess_of(DIGITS / OPTIONS.min_slack_modes)
 
 
 @dataclass(frozen=True, eq=False)
 class SlitDensity(DensityBase):
-    """The density phi on zones with narrow gaps, which are treated as slits of wide zones.
+    """The density phi on zones with narrow gaps, which are treated as cuts in wide zones.
 
     It has the members of `Density`, for the zones as they were given. `solve_zones` makes it. On
     the wide zones the right side is g - s, where the slack s is zero off the slits.
@@ -106,13 +106,13 @@ class SlitDensity(DensityBase):
         return self.smooth.sampling[self.geometry.piece_zone]
 
     def kinks_of(self, here: Slits) -> list[tuple[int, SlitKink]]:
-        """The jumps of the right side in the slits `here` of one wide zone, as (slit index, jump).
+        """Jumps of the right side in the slits `here` of a wide zone, each as (slit index, jump).
 
         The list is empty for a response, whose right side is zero.
         """
         return here.kinks if self.forced else []
 
-    # The methods below give the series of functions on the slits.
+    # The methods below give the series of functions on the slits (narrow gaps in wide zones).
     @cached_property
     def series(self) -> list[list[Array]]:
         """Series of sigma = s sqrt(1 - t^2) on each slit, with the slack s (the slit's unknown).
@@ -181,12 +181,13 @@ class SlitDensity(DensityBase):
                 beta[here.zone] += kink.edge[1]
         return replace(self.smooth, edges=(alpha, beta), bounded_ends=self.bounded_ends)
 
-    # The methods below give the density on the given zones, into which slits divide a wide zone.
+    # The methods below give the density on the given zones. A wide zone joins the given zones on
+    # both sides of its slits (narrow gaps).
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by a zone and distances from the zone's ends in half widths."""
         zone = np.asarray(zone, dtype=np.intp)
-        # A given zone without adjacent slits is itself one of the wide zones. Slits add nothing to
-        # its density.
+        # Slits (narrow gaps) divide a wide zone into given zones. A given zone without adjacent
+        # slits is itself a wide zone, and its density has no part of slits.
         if not self.geometry.next_to_slit[zone].any():
             return self._edged.at(self.geometry.piece_zone[zone], left, right)
         geometry, wide = self.geometry, self.geometry.wide
@@ -249,8 +250,8 @@ class SlitDensity(DensityBase):
                 left[here.zone] += scale * kink.edge_slopes[0]
                 right[here.zone] += scale * kink.edge_slopes[1]
         slopes_left, slopes_right = self.edges((left, right), self._sigma_slopes, (1.0, -1.0))
-        # Beside an end the density is K / sqrt(d) + A sqrt(d). The factor 1 / sqrt(1 - t^2) varies
-        # with d, so that K contributes to A.
+        # Beside an end the density is K / sqrt(d) + A sqrt(d). It contains the wide zone's factor
+        # 1 / sqrt(1 - t^2), which varies with the distance d, so that K contributes to A.
         k_left, k_right = self.intensities
         before, after = self.geometry.slit_before, self.geometry.slit_after
         by_left, by_right = (
@@ -280,7 +281,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(largest density, its largest change if the left end moves, if the right end moves).
+        """On each zone: (largest density, its largest change if the left, if the right end moves).
 
         See `Density.sensitivity`.
 
@@ -396,7 +397,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _kinks(self) -> ForcingJumps:
-        """The jumps of order 0 of the wide zones, as jumps inside the given zones.
+        """Jumps of the right side itself (order 0), not of its derivatives, inside the given zones.
 
         They cause logarithms in the density. The closed forms of these logarithms vanish at the
         ends of the given zones, not of the wide ones. So the density minus the closed forms is as
@@ -415,7 +416,10 @@ class SlitDensity(DensityBase):
         return np.asarray(self.zones.half[piece] * out)
 
     def _smooth_series(self, piece: int) -> Array:
-        """Coefficients of the density on a given zone, in T_j / X, without logarithms of kinks."""
+        """Coefficients in T_j / X of the density on a given zone, less the logarithms at jumps.
+
+        X = sqrt(1 - t^2), with the coordinate t of the zone.
+        """
         if piece not in self._kept_series:
             last, n = np.inf, 64
             while True:
@@ -447,7 +451,7 @@ class SlitDensity(DensityBase):
 
     @property
     def slit_count(self) -> int:
-        """Number of narrow gaps that are treated as slits of wider zones."""
+        """Number of narrow gaps that are treated as cuts (slits) inside wider zones."""
         return len(self.geometry.slits)
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:

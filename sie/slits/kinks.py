@@ -62,7 +62,7 @@ _NODES = 2 * SUMS.gauss_nodes
 
 @record
 class SlitKink(Kept):
-    """A jump of the right side, or of one of its derivatives, in a narrow gap solved as a slit.
+    """A jump of the right side, or of a derivative, in a slit (narrow gap inside a wide zone).
 
     jump: the scaled height h. start, rest, half: distances of the slit from the ends of the wide
     zone, and half width of the slit. from_left, from_right: distances of the jump from the ends of
@@ -85,7 +85,7 @@ class SlitKink(Kept):
 
     @property
     def zeta(self) -> float:
-        """Place of the jump in the coordinate of the slit, which runs from -1 to 1."""
+        """Position of the jump in the slit's coordinate, which runs from -1 to 1."""
         left, right = self._jump_distances
         return 0.5 * (left - right)
 
@@ -106,16 +106,16 @@ class SlitKink(Kept):
     # the jump causes, and it is known in closed form.
     @cached_property
     def _weights(self) -> tuple[float, ...]:
-        """The coefficients e_0 ... e_q of the sum in `mixed`, for the jump's order q."""
+        """Coefficients e_j of the means b_j in psi (see `mixed`), j = 0 ... q, the jump's order."""
         return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
 
     def mixed(self, of_powers: Iterable[Any]) -> Any:
-        """half^q times the sum of e_j `of_powers`[j], j = 0 ... q, with e_j from `_weights`.
+        """half^q * sum of e_j `of_powers`[j], which forms psi from means over the slit.
 
-        q is the order of the jump.
-
-        The slack psi is h half^q (z - zeta)_+^q minus h times this sum of the means b_j of (z -
-        .)_+^j. The same sum acts on every function derived from the powers.
+        The sum runs over j = 0 ... q, with e_j from `_weights` and the order q of the jump. psi is
+        the jump's part of the slack (the slit's unknown function). It is h half^q (z - zeta)_+^q
+        minus h times this sum of the means b_j of (z - .)_+^j. The same sum acts on every function
+        derived from the powers.
         """
         return self.half**self.order * sum(
             e * part for e, part in zip(self._weights, of_powers, strict=False)
@@ -133,7 +133,10 @@ class SlitKink(Kept):
         return np.asarray(self.jump * (own - self.mixed(_spread_powers(left, right))))
 
     def opening(self, left: Array, right: Array) -> Array:
-        """Integral of psi (see `slope`) from the slit's left end, in half widths of the slit."""
+        """Integral of psi, the jump's part of the slack (see `slope`), from the slit's left end.
+
+        The unit of length is the slit's half width.
+        """
         place, q = np.maximum(left - self._jump_distances[0], 0.0), self.order
         integrals = (b / k for k, b in enumerate(_spread_powers(left, right)) if k)
         return np.asarray(
@@ -174,26 +177,31 @@ class SlitKink(Kept):
 
     @property
     def total(self) -> float:
-        """Integral of psi (see `slope`) over the slit, divided by pi times its half width."""
+        """Integral over the slit of psi, the jump's part of the slack, over pi times half width."""
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
-        """Coefficients s_k of psi (see `slope`) on the wide zone, k = 0 ... count."""
+        """Coefficients s_k on the wide zone, k = 0 ... count, of psi, a part of the slack.
+
+        psi is the part of the slack (the unknown function in the slit) that the jump causes.
+        """
         _, _, angle, weight = self.seen
         return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * angle) @ weight)
 
     @property
     def mean_opening(self) -> float:
-        """Mean of the opening due to psi (see `slope`) over the wide zone, per half width of it.
+        """Mean of the opening due to psi over the wide zone, divided by the zone's half width.
 
-        The opening is the integral of psi from the slit's left end. The weight of the mean is
+        psi is the jump's part of the slack, the slit's unknown function (see `slope`). The opening
+        is the integral of psi from the slit's left end. The mean has the weight
         1 / sqrt(1 - t^2).
         """
         middle = theta(self.start + self.half, self.rest + self.half)
         _, _, angle, weight = self.seen
         return float((angle - middle) @ weight) / np.pi
 
-    # The methods below give the density on the wide zone that psi (see `slope`) causes.
+    # The methods below give the density that psi causes on the wide zone. psi is the part of the
+    # slack (the slit's unknown function) that belongs to the jump.
     @cached_property
     def edge(self) -> tuple[float, float]:
         """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density due to psi."""
@@ -204,10 +212,10 @@ class SlitKink(Kept):
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
-        """(value at the slit's middle, slope) of the polynomial P in -P sqrt(1 - t^2).
+        """(value at the slit's middle, slope) of a linear function P; -P sqrt(1 - t^2) is a term.
 
-        This is a term of the density that the jump and psi cause. P is zero for a jump of order 0
-        and constant for order 1.
+        This is a term of the density that the jump and psi (see `slope`) cause. P is zero for a
+        jump of order 0 and constant for order 1.
         """
         if self.order == 0:
             return 0.0, 0.0
@@ -282,9 +290,9 @@ class SlitKink(Kept):
         )
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
-        """`outside_slit` by quadrature of (X(t)/pi) int psi / (X(tau) (t - tau)) dtau.
+        """The density of `outside_slit` at points far from the slit, by numerical quadrature.
 
-        X(t) is sqrt(1 - t^2).
+        It is (X(t)/pi) int psi / (X(tau) (t - tau)) dtau, with X(t) = sqrt(1 - t^2).
         """
         lefts = self.seen[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
@@ -292,9 +300,10 @@ class SlitKink(Kept):
         return np.asarray(root_weight(from_left, from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """The mean over the slit that replaces the singular density (t - s)^q kappa of a jump at s.
+        """Mean over the slit that replaces the jump's singular density (t - s)^q kappa.
 
-        For q = 0 it is bar(kappa); the other formulas are at the head of this file.
+        kappa is a logarithm that is infinite at the jump's position s, and q is the jump's order.
+        For q = 0 the mean is bar(kappa); the other formulas are at the head of this file.
         """
         nodes, l, r = self.mean_places
         sums = 2 * np.log(
@@ -315,7 +324,7 @@ class SlitKink(Kept):
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
-        """Derivatives of `outside_slit` by the angle, measured from each end of the wide zone."""
+        """Derivatives of the density `outside_slit` by the angle from each end of the wide zone."""
         if self.order == HIGHEST:
             lefts, rights, _, _ = self.seen
             return -float(self._over_root @ (1 / lefts)), float(self._over_root @ (1 / rights))

@@ -46,9 +46,9 @@ from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits
 
-# Limit of |rho| = |zeta - sqrt(zeta^2 - 1)|, with the coordinate zeta relative to a wide zone.
-# Below it, the first `min_slack_modes` coefficients of the slack (the unknown function in a slit)
-# give the slack's field to round-off.
+# Bound of |rho|, below which a short series is enough. rho = zeta - sqrt(zeta^2 - 1), with the
+# coordinate zeta of a wide zone, falls with the distance from the zone. The first `min_slack_modes`
+# coefficients of the slack (the unknown function in a slit) then give its field to round-off.
 _FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
 # Number of panels of the vertical path along which the potential is integrated. Each panel is half
 # as high as the panel above it. The lowest panel is as high as the round-off of the path's height.
@@ -57,7 +57,7 @@ _PANELS = -int(np.log2(EPS))
 
 @record
 class SlitPlane:
-    """Transform and potential, at complex points, of a density on zones with slits.
+    """Transform and potential at complex points of a density on zones with narrow gaps (slits).
 
     whole: density on the wide zones from its first coefficients, which holds far from them; slack:
     the slits' part of `whole`, on the wide zones with slits; series: series of sigma = s X on each
@@ -151,9 +151,11 @@ def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Compl
 
 
 def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Complex:
-    """Transform, or its derivative by zeta, of the density due to psi (see `SlitKink.slope`).
+    """Transform, or its derivative by zeta, of the density due to psi, a part of the slack.
 
-    It holds off the wide zone. seen, inner: the points relative to the wide zone and to the slit.
+    psi is the part of the slack (the slit's unknown function) that a jump causes, see
+    `SlitKink.slope`. The formula holds off the wide zone. seen, inner: the points relative to the
+    wide zone and to the slit.
     """
     _, l, r = kink.mean_places
     zeta, rho, root, half, q = seen.zeta, seen.rho, seen.root, kink.half, kink.order
@@ -168,9 +170,10 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     first = inner.zeta * (mean_log + 1) - inner.root
 
     def means() -> Iterator[Complex]:
-        """Means over the slit (head of this module) for q = 0, 1, 2, divided by half^q.
+        """Means over the slit for a jump of order q = 0, 1, 2, each divided by half^q.
 
-        For q = 0 it is bar(G), for q = 1 bar((zeta - .) G - sin).
+        They are terms of the transform, see the head of this module. For q = 0 the mean is bar(G),
+        for q = 1 bar((zeta - .) G - sin).
         """
         yield -1j * (2 * log_b.mean(axis=-1) - log_rho - mean_log)
         yield (

@@ -84,7 +84,7 @@ class SlitsNotConverged(SingularSystem):
 
 
 class SlitSystem(Kept):
-    """The equations of all slits, solved together with the system of the wide zones."""
+    """The equations of all slits (narrow gaps in wide zones), solved with the wide zones."""
 
     def __init__(self, geometry: SlitGeometry, base: State, linear: float) -> None:
         self.geometry, self.base, self.system = geometry, base, base.system
@@ -140,7 +140,7 @@ class SlitSystem(Kept):
         return out
 
     def _series(self, folded: Array, homogeneous: bool) -> tuple[Array, ...]:
-        """Series coefficients of all slits, given the unknowns of the wide zones."""
+        """Series coefficients of the unknowns in all slits, given the wide zones' unknowns."""
         y, offset = self.base.symmetry.unfold(folded), self.system.layout.offset
         return tuple(
             by @ y[offset[here.zone] : offset[here.zone] + by.shape[1]]
@@ -247,8 +247,9 @@ class SlitSystem(Kept):
         y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         slack = self.slack(d, homogeneous)
-        # In `without` and `with_slits`, every zone has the same number of coefficients. It is the
-        # largest number that any zone needs.
+        # `without` and `with_slits` have the density's coefficients on the wide zones, without and
+        # with the part due to slits. In both, every zone has as many coefficients as the zone that
+        # needs most.
         count = max(
             int(system.layout.m.max()) + 1,
             OPTIONS.min_slack_modes + 1,
@@ -274,7 +275,10 @@ class SlitSystem(Kept):
         )
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
-        """`State.tails` of the wide zones, after the slack (the slits' unknown) is subtracted."""
+        """Sizes of the last coefficients of the field on each wide zone, less the slack's part.
+
+        The slack is the unknown function in a slit. See `field_tails`.
+        """
         return field_tails(
             self.system, wide.unknowns - self._among_unknowns(self.slack(d, False)), wide.density
         )
@@ -282,7 +286,7 @@ class SlitSystem(Kept):
 
 @record
 class SlitState(Answered):
-    """The solution on zones with narrow gaps, which are treated as slits of wide zones.
+    """The solution on zones with narrow gaps, which are treated as cuts (slits) in wide zones.
 
     It has the members of `State`, for the zones as they were given (the pieces of the wide zones
     between the slits). whole: state of the wide zones, slits included; rest: last change of the
@@ -319,7 +323,7 @@ class SlitState(Answered):
 
     @property
     def left_out(self) -> Array:
-        """Zero for each zone, since the residual shows all neglected coefficients."""
+        """Estimated neglected coefficients: zero on each zone, as the residual shows them all."""
         return np.zeros(len(self.density.zones))
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
@@ -347,7 +351,7 @@ class SlitState(Answered):
         return self.whole.levels + opened[self.geometry.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of `levels` that changes of the side conditions' values cause."""
+        """Changes of the zones' `levels` caused by changes of the side conditions' values."""
         folded, series, _ = self.slit_system.solve(values)
         opened = self.slit_system.mean_openings(series, True)
         return (
@@ -358,7 +362,7 @@ class SlitState(Answered):
     # The methods below estimate errors of the solution.
     @property
     def natural(self) -> Array:
-        """For each given zone, the density's largest coefficient beyond c_0 on its wide zone."""
+        """Largest coefficient c_k, k > 0, of the density on the wide zone of each given zone."""
         return self.whole.natural[self.geometry.piece_zone]
 
     @cached_property
@@ -412,7 +416,7 @@ class SlitState(Answered):
 
     @cached_property
     def _neglected(self) -> Array:
-        """Estimated sum of the neglected coefficients on each wide zone, as for `State`."""
+        """Estimated sum of the neglected coefficients of the density on each wide zone."""
         at_ends = beside_ends(self.whole.kept, self._wide_residuals)
         return np.asarray(np.minimum(self.whole.left_out, 10 * np.maximum(self._residual, at_ends)))
 
@@ -469,7 +473,7 @@ class SlitState(Answered):
 
     @cached_property
     def density_error(self) -> float:
-        """Estimated error of the density, relative to the density's `size`."""
+        """Estimated error of the density, relative to its largest coefficient (`size`)."""
         return float(self._errors_over(np.full(len(self.density.zones), self.size)).max())
 
     @cached_property
@@ -544,7 +548,7 @@ AnyDensity = Density | SlitDensity | GradedDensity | SecondKindDensity
 def solve_zones(
     equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
 ) -> AnyState:
-    """The solution on zones with fixed ends; narrow gaps become slits of wide zones.
+    """The solution on zones with fixed ends; narrow gaps may be treated as cuts in wide zones.
 
     Parameters
     ----------
@@ -587,8 +591,8 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
-    # If `equation.grows` is false, no modes are added. The solution on the wide zones is then only
-    # the start of an iteration, and its relative error may be 1.
+    # If `equation.grows` is false, the number of modes stays as it is. The solution on the wide
+    # zones alone is then only the start of the joint iteration, and its relative error may be 1.
     inner.linear = sizes.linear if equation.grows else 1.0
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value

@@ -11,14 +11,14 @@ class ErrorOptions:
 
     # Ratio of the largest to the root mean square of some hundred rounding errors.
     safety: float = 4.0
-    # An error below this fraction of another error is negligible. Changes of the solution by random
-    # errors of the rows are computed to this relative tolerance.
+    # An error below this fraction of another error is negligible. The changes of a solution by
+    # random errors of the equations are computed to this relative tolerance.
     negligible: float = 1e-2
     # Number of samples of random errors. With four samples, the estimate is below a quarter of the
     # true error in one of a hundred cases.
     samples: int = 4
-    # Least distance from an end, in half widths, at which the density's factor 1 / sqrt(1 - t^2) is
-    # evaluated.
+    # At points closer to an end than this distance (in half widths), error estimates take the
+    # factor 1 / sqrt(1 - t^2) of the density at this distance.
     end_distance: float = 0.03
     # Neglected coefficients are assumed to decay at this fraction of the observed decay rate.
     slower_fall: float = 0.9

@@ -22,9 +22,9 @@ from sie.states.options import OPTIONS as ERRORS
 class ReasonOptions:
     """Limit that decides which cause is named as the reason for an error."""
 
-    # Above this ratio of the density's change to the rows' errors that cause it, the side
-    # conditions nearly depend on each other. Round-off explains a residual up to this multiple of
-    # the round-off of its terms.
+    # Above this ratio of the density's change to the residuals of the equations that cause it, the
+    # side conditions nearly depend on each other. Round-off explains a residual up to this multiple
+    # of the round-off of its terms.
     max_ratio: float = 1e4
 
 
@@ -55,7 +55,7 @@ def reason_of(state: Any, tol: float) -> str:
 
 
 def _parts(state: Any) -> tuple[float, float, float]:
-    """Relative errors of the density, due to (iteration, round-off of rows, all other causes)."""
+    """Relative errors of the density due to (iteration, round-off of equations, other causes)."""
     size = max(state.size, 1e-300)
     iteration = float(state.linear_error.max(initial=0.0)) / size + state.rest
     conditions = float(state.whole.density_rounding.max(initial=0.0)) / size
@@ -121,8 +121,8 @@ def _causes(worst: _Worst) -> dict[str, float]:
     # 4 `EPS`, which is subtracted.
     rounded = max(float(modes.place_rounding(zones, np.array([zone]))[0]) - 4 * EPS, 0.0)
     # The right side counts as a cause only if its coefficients no longer decay, or if their number
-    # is at its limit. "fields" counts only if the number of modes is at its limit, or if more modes
-    # do not help.
+    # is at its limit. The cause "fields" (the field on the zone varies too fast for its modes)
+    # counts only if the number of modes is at its limit, or if more modes do not help.
     unfallen = bool(state._stopped[zone]) or int(state.sizes.own[zone]) >= modes.OPTIONS.max_nodes
     grown = m >= modes.most(equation.kernel) or _is_noisy(worst)
     return {
@@ -140,7 +140,7 @@ def _is_noisy(worst: _Worst) -> bool:
 
 
 def _of_resolution(worst: _Worst, tol: float) -> str:
-    """The largest cause from `_causes`, as a message.
+    """Message that names the largest cause of error on the zone with the largest residual.
 
     If none is large, the message names round-off or the residual.
     """

@@ -53,7 +53,7 @@ class Sizes:
     """Mask of the zones to whose right a narrow gap was treated as a slit."""
 
     def of(self, kept: Index) -> Sizes:
-        """The numbers of modes for the zones with the indices `kept`."""
+        """These sizes for a part of the zones: those with the indices `kept`."""
         least = self.least if isinstance(self.least, int) else self.least[kept]
         return replace(
             self,
@@ -187,7 +187,8 @@ def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Siz
     """
     alike = len(left.own) == len(zones)
     if last:
-        # `joined`, the mask of gaps treated as slits, is valid only for the same number of zones.
+        # `joined`, the mask of gaps treated as cuts (slits) in wide zones, is valid only for the
+        # same number of zones.
         kept = {
             name: getattr(left, name)
             for name in ("carried", "coarse", "solves", "primitive_rounding")
