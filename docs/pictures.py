@@ -25,7 +25,14 @@ import sie
 from contact.extras import require
 from contact.model.registry import parameters
 from contact.model.units import quantity, scaled
-from contact.solution.drawing import inner_ticks, legend_outside, new_figure, shared_unit, stretches
+from contact.solution.drawing import (
+    FIGURE,
+    inner_ticks,
+    legend_outside,
+    new_figure,
+    shared_unit,
+    stretches,
+)
 from contact.solution.plotting import Heights, draw_pressure, draw_surfaces, mark_close_up, summary
 from contact.solution.sampling import positions, window
 from contact.solution.stress_plot import columns_of, draw_stress, label_of, plot_stress, top_stress
@@ -128,23 +135,27 @@ def of_contact(solutions: list[contact.Solution]) -> Any:
     whole, own = stretches((min(lo for lo, _ in ends), max(hi for _, hi in ends)), window(last))
     heights = Heights.of(last, own)
     draw_surfaces(top, last, own, (heights, *shared_unit("m", heights.size)), marked=False)
-    highest = max(
+    peaks = [
         one.max_pressure
         if np.isfinite(one.max_pressure)
         else 3.0 * abs(one.load) / one.zone_widths.sum()
         for one in shown
-    )
-    up, unit = scaled(highest, "Pa")
-    lowest = 0.0
-    labels = _labels(shown)
-    for one, label, colour, dashes in zip(shown, labels, _COLOURS, _DASHES, strict=False):
+    ]
+    labels, lowest = _labels(shown), 0.0
+    up, unit = scaled(max(peaks), "Pa")
+    name, scales, highest = f"pressure [{unit}]", [up] * len(shown), up * max(peaks)
+    if min(peaks) < FIGURE.min_visible * max(peaks):
+        # A pressure that could not be seen beside the others is drawn over its own peak.
+        name, scales, highest = "pressure / its largest value", [1 / peak for peak in peaks], 1.0
+        labels = [f"{a}: {quantity(p, 'Pa', 3)}" for a, p in zip(labels, peaks, strict=True)]
+    for place, (one, label) in enumerate(zip(shown, labels, strict=True)):
         x = positions(one, *window(one))
-        pressure = np.clip(one.pressure(x), -highest, 1.5 * highest)
+        pressure = np.clip(scales[place] * one.pressure(x), -highest, 1.5 * highest)
         lowest = min(lowest, float(pressure.min()))
-        line = {"color": colour, "linestyle": dashes, "lw": 1.3, "label": label}
-        bottom.plot(whole.along(x), pressure * up, **line)
-    bottom.set(ylabel=f"pressure [{unit}]", xlabel=whole.label, xlim=whole.limits)
-    bottom.set_ylim(1.08 * lowest * up, 1.08 * highest * up)
+        line = {"color": _COLOURS[place], "linestyle": _DASHES[place], "lw": 1.3, "label": label}
+        bottom.plot(whole.along(x), pressure, **line)
+    bottom.set(ylabel=name, xlabel=whole.label, xlim=whole.limits)
+    bottom.set_ylim(1.08 * lowest, 1.08 * highest)
     for axes in (top, bottom):
         inner_ticks(axes)
     if len({repr(one.scene) for one in shown}) > 1:
@@ -241,12 +252,17 @@ def of_engine(found: list[sie.Solution]) -> Any:
     return figure
 
 
-def of_limited_trace(hardness: float = 6e9) -> Any:
+def limited_trace(hardness: float = 6e9) -> contact.Solution:
+    """The stylus trace under a limit of the pressure."""
+    scene = contact.load_scene(EXAMPLES / "stylus.toml")
+    return contact.solve(replace(scene, law=contact.Plastic(hardness)), tol=1e-6)
+
+
+def of_limited_trace() -> Any:
     """A figure of the stylus trace under a limit of the pressure: all of it on the left, and the
     pressure and the stress below the spike with the largest stress on the right.
     """
-    scene = replace(contact.load_scene(EXAMPLES / "stylus.toml"), law=contact.Plastic(hardness))
-    solution, show = contact.solve(scene, tol=1e-6), "mises"
+    solution, show = limited_trace(), "mises"
     report = stress_report(solution)
     whole, spike = columns_of(report, show)
     figure = new_figure(10.2, 5.0)

@@ -19,6 +19,7 @@ import contact
 import sie
 from contact import extras
 from contact.model.registry import CONTROLS, INTERACTIONS, LAWS, PROFILES, SUBSTRATES
+from contact.solution.stress_report import stress_report
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -124,6 +125,23 @@ def test_the_python_example_of_the_readme_prints_what_it_says(
     assert lacking == []
     tol = float(re.search(r"tol=([\de.-]+)", block)[1])  # type: ignore[index]
     assert names["solution"].error <= tol
+
+
+@pytest.mark.slow
+def test_the_picture_of_the_readme_is_drawn_from_the_scene_of_its_caption() -> None:
+    pytest.importorskip("matplotlib")
+    from docs.pictures import PAGES, limited_trace
+
+    (picture,) = re.findall(r"^!\[.*\]\(docs/(images/\w+)\.png\)\n\n(?=A stylus)", README, re.M)
+    assert picture in PAGES
+    caption = README.partition("A stylus trace")[2].partition("\n\n")[0]
+    solution = limited_trace()
+    assert f"{1e3 * solution.scene.profile.period:.1f} mm long" in caption
+    assert len(solution.zones) == 6 and "Six spikes" in caption
+    assert f"hardness, {1e-9 * solution.max_pressure:g} GPa" in caption
+    place = stress_report(solution).mises.x
+    width = np.diff(solution.zones)[np.argmin(np.abs(solution.zones.mean(axis=1) - place)), 0]
+    assert f"{1e6 * width:.2f} µm wide" in caption
 
 
 def test_the_readme_is_short_and_has_one_table() -> None:

@@ -9,6 +9,7 @@ import json
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import click
@@ -22,7 +23,7 @@ from contact.model.scene_file import load_scene, toml
 from contact.model.traces.prepare import Trace, load_trace
 from contact.model.traces.roughness import Roughness, height_distribution, power_spectrum, roughness
 from contact.model.units import quantity, scaled
-from contact.solution.drawing import new_figure
+from contact.solution.drawing import BODY, PRESSURE, SURFACE, inner_ticks, new_figure, shared_unit
 from contact.solution.terminal import show_table
 from sie import Array
 
@@ -268,70 +269,69 @@ def starting_scene(
     return "\n".join(lines) + "\n"
 
 
-_BEFORE = "#9a9a9a"
-_AFTER = "#1f5a92"
-_LOST = "#b3261e"
-
-
 def plot_trace(
     trace: Trace,
     measured: Roughness,
     spectrum: tuple[Array, Array],
     heights: tuple[Array, Array],
-    title_length: int = 90,
+    title_length: int = 125,
 ) -> Any:
     """A matplotlib figure with one row for each step of the preparation. The last row shows the
     distribution of heights and the power spectrum after the last step.
 
-    title_length: number of letters after which the name of a step is cut.
+    title_length: number of letters in a line of the name of a step.
     """
     stages = list(trace.stages)
     figure = new_figure(9.0, 1.7 * len(stages) + 3.0)
     grid = figure.add_gridspec(len(stages) + 1, 2, height_ratios=[1.0] * len(stages) + [1.7])
-    longest = max(float(np.nanmax(x) - np.nanmin(x)) for _, x, _ in stages)
-    along, along_unit = scaled(longest, "m")
+    along, along_unit = scaled(max(float(np.nanmax(x) - np.nanmin(x)) for _, x, _ in stages), "m")
+    spans = [float(np.nanmax(height) - np.nanmin(height)) for *_, height in stages]
+    up, up_unit = shared_unit("m", measured.Rq, *spans)
+    rows: list[Any] = []
     for row, (name, x, height) in enumerate(stages):
-        axes = figure.add_subplot(grid[row, :])
-        up, up_unit = scaled(float(np.nanmax(height) - np.nanmin(height)), "m")
-        axes.plot(
-            along * x, up * height, color=_AFTER if row == len(stages) - 1 else _BEFORE, lw=0.7
-        )
+        rows.append(figure.add_subplot(grid[row, :], sharex=rows[0] if rows else None))
+        axes, last = rows[-1], row == len(stages) - 1
+        axes.plot(along * x, up * height, color=SURFACE if last else BODY, lw=0.7)
         for at in x[~np.isfinite(height)]:
-            axes.axvline(along * at, color=_LOST, lw=0.5, alpha=0.5)
-        if len(name) > title_length:
-            name = name[: title_length - 3] + "..."
-        axes.set_title(name, fontsize=8, loc="left")
+            axes.axvline(along * at, color=PRESSURE, lw=0.5, alpha=0.5)
+        axes.set_title(fill(name, title_length), fontsize=8, loc="left")
         axes.set_ylabel(f"height [{up_unit}]", fontsize=8)
-        axes.tick_params(labelsize=8)
+        axes.tick_params(labelsize=8, labelbottom=last)
+        inner_ticks(axes)
         axes.margins(x=0.0)
-    axes.set_xlabel(f"x [{along_unit}]", fontsize=8)
-    _distribution(figure.add_subplot(grid[-1, 0]), measured, *heights)
+    rows[-1].set_xlabel(f"$x$ [{along_unit}]", fontsize=8)
+    _distribution(figure.add_subplot(grid[-1, 0]), measured, heights, (up, up_unit))
     _spectrum(figure.add_subplot(grid[-1, 1]), measured, *spectrum)
     return figure
 
 
-def _distribution(axes: Any, measured: Roughness, edges: Array, density: Array) -> None:
-    up, unit = scaled(measured.Rq, "m")
-    axes.stairs(density / up, up * edges, fill=True, color=_BEFORE, alpha=0.5)
+def _distribution(
+    axes: Any, measured: Roughness, heights: tuple[Array, Array], scale: tuple[float, str]
+) -> None:
+    """Draw the density of heights, given with its edges, in a unit, and that of Gauss."""
+    (edges, density), (up, unit) = heights, scale
+    axes.stairs(density / up, up * edges, fill=True, color=BODY, alpha=0.5)
     z = np.linspace(edges[0], edges[-1], 200)
     gauss = np.exp(-0.5 * (z / measured.Rq) ** 2) / (measured.Rq * np.sqrt(2 * np.pi))
     axes.plot(
         up * z,
         gauss / up,
-        color=_AFTER,
+        color=SURFACE,
         lw=1.0,
         label=f"Gauss, Rq = {quantity(measured.Rq, 'm', 3)}",
     )
     axes.set_xlabel(f"height above the mean [{unit}]", fontsize=8)
     axes.set_ylabel(f"density [1/{unit}]", fontsize=8)
     axes.tick_params(labelsize=8)
+    inner_ticks(axes)
     axes.legend(fontsize=8, frameon=False)
 
 
 def _spectrum(axes: Any, measured: Roughness, q: Array, density: Array) -> None:
     seen = density > 1e-12 * density.max()
-    axes.loglog(q[seen], density[seen], color=_AFTER, lw=0.7)
+    axes.loglog(q[seen], density[seen], color=SURFACE, lw=0.7)
     axes.set_xlabel(r"wavenumber $q = 2\pi/\lambda$ [1/m]", fontsize=8)
     axes.set_ylabel("power spectrum C [m$^3$]", fontsize=8)
     axes.set_title(f"rms slope {measured.rms_slope:.3g}", fontsize=8, loc="left")
     axes.tick_params(labelsize=8)
+    inner_ticks(axes)

@@ -130,10 +130,23 @@ class Slip(sie.Kept):
     def shear(self, x: ArrayLike) -> Array:
         """Traction on body 1 along +x [Pa] at x [m], any array shape; 0 outside the contact."""
         x = real("x", x)
+        with np.errstate(invalid="ignore"):
+            out = self._summed(x)
+        corner = np.isnan(out)
+        if corner.any():
+            # At a corner infinite terms of opposite signs meet. Their sum has the sign that it has
+            # beside the corner; on one side it is 0.
+            away = 1e-9 * float(self.solution.zone_widths.min())
+            beside = self._summed(x[corner] - away) + self._summed(x[corner] + away)
+            out[corner] = np.copysign(np.inf, beside)
+        return out
+
+    def _summed(self, x: Array) -> Array:
+        """Sum of the terms of the shear at x."""
         out = np.zeros(x.shape)
         for term in self.terms:
             out = out + term.weight * term.fields.pressure(x)
-        return out
+        return np.asarray(out)
 
     @property
     def slides(self) -> bool:

@@ -188,9 +188,12 @@ def panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
 
 
 def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
-    """Set the axis labels, inner ticks, and a legend that shows each label once."""
+    """Set the axis labels, the ticks, and a legend that shows each label once."""
     axes.set(xlabel=across, ylabel=up)
     inner_ticks(axes)
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "log":
+            log_ticks(axis)
     handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     if legend and len(handles) > 1:
         axes.legend(handles.values(), handles.keys(), frameon=False, fontsize=8)

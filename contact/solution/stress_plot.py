@@ -174,7 +174,7 @@ def draw_stress(
         fringes = np.sin(np.pi * OPTIONS.fringes * value / top) ** 2
         axes.pcolormesh(places, depths, fringes, cmap="gray", shading="gouraud")
     else:
-        levels = _levels(top * scale)
+        levels = levels_to(top * scale)
         capped = np.minimum(value, top) * scale  # at sharp corners stresses are infinite
         shading = axes.contourf(places, depths, capped, levels, cmap="magma_r")
         if not column.above:
@@ -210,7 +210,7 @@ def draw_stress(
     return shading
 
 
-def _levels(top: float) -> Array:
+def levels_to(top: float) -> Array:
     """Round values from 0 to the first one that is not below `top`."""
     locator = require("matplotlib.ticker").MaxNLocator(OPTIONS.levels, steps=[1, 2, 2.5, 5, 10])
     levels = np.asarray(locator.tick_values(0.0, top))

@@ -23,7 +23,6 @@ from contact.solution.drawing import (
     finish,
     is_geometric,
     legend_outside,
-    log_ticks,
     panels,
     unit_of,
 )
@@ -88,9 +87,6 @@ def _draw(axes: Any, loads: Array, passed: Passed, curve: tuple[str, Array, str]
     axes.grid(alpha=0.25)
     axes.set_xlabel(f"load [{load_unit}]")
     axes.set_ylabel(f"{label} [{value_unit}]" if unit else label)
-    for axis, is_log in ((axes.xaxis, log), (axes.yaxis, log_up)):
-        if is_log:
-            log_ticks(axis)
 
 
 def _draw_events(

@@ -13,6 +13,7 @@ import pytest
 
 import contact
 from contact.model.units import quantity, scaled
+from contact.solution.stress_report import stress_report
 from contact.sweeps.compare import NEIGHBOURS, compare
 from tests.contact.stand_in import StandIn
 
@@ -20,6 +21,7 @@ matplotlib = pytest.importorskip("matplotlib")
 colors = pytest.importorskip("matplotlib.colors")
 plotting = pytest.importorskip("contact.solution.plotting")
 comparing = pytest.importorskip("contact.sweeps.compare_plot")
+stresses = pytest.importorskip("contact.solution.stress_plot")
 drawing = pytest.importorskip("contact.solution.drawing")
 
 L = 1e-4
@@ -331,6 +333,53 @@ def grey(colour: str) -> float:
     """The luminance of a colour as a printer has it."""
     red, green, blue = colors.to_rgb(colour)
     return 0.299 * red + 0.587 * green + 0.114 * blue
+
+
+class TestSlip:
+    @pytest.mark.parametrize("name", ["hertz", "rough", "punch"])
+    def test_the_shear_lies_between_the_limits_that_are_drawn(self, name):
+        solution = contact.solve(scenes()[name], tol=1e-6)
+        figure = contact.partial_slip(solution, 0.3, 0.1 * solution.load).plot()
+        assert len(figure.axes) == (2 if name == "rough" else 1) and len(figure.legends) == 1
+        for axes in figure.axes:
+            assert UNIT.search(axes.get_xlabel()) and axes.get_ylabel().startswith("traction [")
+            upper, lower, shear = (line.get_ydata() for line in axes.get_lines()[:3])
+            low, high = axes.get_ylim()
+            assert low == -high and np.all(lower == -upper)
+            assert np.all(np.abs(shear) <= upper + 1e-5 * high)
+            if np.isfinite(solution.max_pressure):
+                assert upper.max() <= high
+
+    def test_a_second_panel_shows_narrow_zones_of_which_some_stick(self):
+        solution = contact.solve(scenes()["light"], tol=1e-6)
+        whole, close = contact.partial_slip(solution, 0.3, 0.1 * solution.load).plot().axes
+        assert np.ptp(close.get_xlim()) < 0.06 * np.ptp(whole.get_xlim())
+        assert "sticks" in [patch.get_label() for patch in close.patches]
+
+
+class TestStresses:
+    @pytest.mark.parametrize("name", ["light", "punch", "cohesive", "plastic"])
+    def test_one_unit_of_length_and_round_contours_up_to_the_largest_stress(self, name):
+        report = stress_report(contact.solve(scenes()[name], tol=1e-6))
+        figure = stresses.plot_stress(report)
+        *panels, bar = figure.axes
+        below = panels[len(panels) // 2 :]
+        units = {UNIT.search(label)[0] for a in below for label in (a.get_xlabel(), a.get_ylabel())}
+        assert len(units) == 1
+        levels = stresses.levels_to(report.shear.stress if report.shear else 1.7)
+        step = levels[1]
+        assert np.diff(levels) == pytest.approx(step) and len(levels) <= 18
+        assert float(f"{step:e}".split("e")[0]) in (1.0, 2.0, 2.5, 5.0)
+        if report.shear is not None:
+            top = report.shear.stress / prefix_factor(UNIT.search(bar.get_ylabel())[1])
+            assert bar.get_ylim()[1] >= top
+
+    def test_the_strength_is_a_line_that_is_seen_on_light_and_on_dark_ground(self):
+        solution = contact.solve(scenes()["hertz"], tol=1e-6)
+        report = stress_report(solution, strength=0.5 * solution.max_pressure)
+        below = stresses.plot_stress(report, "mises").axes[1]
+        effects = [one for one in below.collections if one.get_path_effects()]
+        assert len(effects) == 1
 
 
 def test_neither_pyplot_nor_a_setting_is_touched():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 
 import numpy as np
@@ -414,3 +415,12 @@ def test_a_slip_is_kept_in_files_tables_and_pickles(tmp_path):
     assert rows[0] == "left,right,width,state" and len(rows) == 1 + 1 + 3
     assert {"shear", "stick_zones", "pressure"} <= set(slip.to_dataset().data_vars)
     assert "stick" in slip.summary and "<img" in slip._repr_html_()
+
+
+def test_at_corners_the_shear_is_infinite_with_the_sign_that_it_has_beside_them():
+    punch = contact.solve(contact.Scene(contact.Flat(1.0), 1.0, contact.Isolated(), load=1.0))
+    for share in (0.5, -0.5):
+        slip = contact.partial_slip(punch, 0.3, 0.3 * share)
+        assert slip.shear([-0.5, 0.5]).tolist() == [math.copysign(np.inf, share)] * 2
+        beside = slip.shear([-0.5 + 1e-6, 0.5 - 1e-6])
+        np.testing.assert_allclose(beside, 0.3 * share * punch.pressure(0.5 - 1e-6), rtol=1e-5)

@@ -125,6 +125,8 @@ def figure_2b() -> Figure:
 
     def draw(figure: Any) -> None:
         left, right = figure.subplots(1, 2)
+        left.set(xlim=(0.0, 0.2), ylim=(0.0, 0.5))
+        right.set(xscale="log", yscale="log", xlim=(1e-5, 1.0), ylim=(1e-2, 0.6))
         for axes in (left, right):
             for name in (_ALL, _HERTZ):
                 axes.plot([], [], color="black", linestyle=_LINES[name], label=name)
@@ -137,8 +139,6 @@ def figure_2b() -> Figure:
                     )
                     axes.plot(*of_spacing, color=colour, linestyle=line, label=label)
             label_panel(axes, r"$\bar p$/E*", "a/R", legend=axes is right)
-        left.set(xlim=(0.0, 0.2), ylim=(0.0, 0.5))
-        right.set(xscale="log", yscale="log", xlim=(1e-5, 1.0), ylim=(1e-2, 0.6))
 
     notes = (
         "Spheres of radius R, hexagonal lattice of spacing l; p is the nominal pressure. The "

@@ -15,7 +15,6 @@ from contact.solution.drawing import (
     finish,
     is_geometric,
     legend_outside,
-    log_ticks,
     panels,
     ramp,
     unit_of,
@@ -84,9 +83,6 @@ def _draw(axes: Any, table: Any, keys: Sequence[str], name: str, lines: Array) -
     head = label(name)
     axes.grid(alpha=0.25)
     finish(axes, below, f"{head} [{named}]" if unit else head, legend=False)
-    for axis, is_log in ((axes.xaxis, log), (axes.yaxis, log_up)):
-        if is_log:
-            log_ticks(axis)
 
 
 def _abscissa(axes: Any, table: Any, key: str) -> tuple[Array, str, bool]:
