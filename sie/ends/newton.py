@@ -326,7 +326,7 @@ class _Search:
         return state, loose, is_released
 
     def _state(self, decay: float) -> AnyState:
-        """The solution on the present zones, with the present value of the open condition.
+        """The solution on the present zones, with the present guess of a side condition's value.
 
         The open condition is the side condition whose value is an unknown.
         """

@@ -180,8 +180,8 @@ def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
             both = seen[i, places, None, q, None] * up[i, sources]
             place, source, pole = np.nonzero(np.abs(both) >= least)
             both, place, source = both[place, source, pole], places[place], sources[source]
-            # The sum of `both`^l / l over l >= 1 is -log(1 - `both`). So `total` becomes minus the
-            # sum over l > m.
+            # The sum of (rho rho')^l / l over l >= 1 is -log(1 - rho rho'), with rho rho' in
+            # `both`. So `total` becomes minus the sum over l > m.
             total = np.log1p(-both)
             power = np.ones_like(both)
             for order in range(1, int(m[i]) + 1):

@@ -118,7 +118,7 @@ def newton_step(
 
 
 def wanted_signs(zones: Zones, signs: tuple[float, float]) -> Array:
-    """Wanted sign of (density - value of the end), near each left and right end (2, Z).
+    """Wanted sign (2, Z) of the density minus its prescribed value, near left and right ends.
 
     Near an end with a value, the density is wanted nearer to zero than this value.
     """

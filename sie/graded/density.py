@@ -273,7 +273,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def _end_scales(self) -> Array:
-        """`Grading.scale` at the left and right end of each zone (2, Z)."""
+        """`Grading.scale`, by which psi is divided, at the left and right ends of zones (2, Z)."""
         pairs = zip(self.system.gradings, self.powers.T, strict=True)
         return np.array([grading.scale(grading.ends, powers) for grading, powers in pairs]).T
 
@@ -495,7 +495,7 @@ class GradedPlane:
         return out if density.closed is None else out + density.closed.plane(z, what)
 
     def _upper(self, x: Array, y: Array, what: What) -> Complex:
-        """The field `what` at points x + i y, y >= 0, of one period."""
+        """Transform, its derivative or potential (`what`) at x + i y, y >= 0, of one period."""
         density = self.density
         out = np.zeros(len(x), dtype=complex)
         for shift in density.kernel.poles:

@@ -62,7 +62,7 @@ class Places:
 
 @record
 class Grading(Kept):
-    """The graded coordinate of one zone of width `width` between the gaps `before` and `after`."""
+    """Graded coordinate of a zone of width `width`, with gaps of widths `before` and `after`."""
 
     width: float
     before: float

@@ -337,7 +337,7 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def _tree(self) -> Any:
-        """The tree for sums over many zones; None if sums need or allow no tree."""
+        """Tree code for sums over many zones; None for few zones or a kernel without tree sums."""
         few = len(self.zones) < TREES.min_zones
         if few or np.iscomplexobj(self._kappa) or not reaches(self.kernel, self.zones):
             return None

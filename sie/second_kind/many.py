@@ -39,7 +39,7 @@ from sie.trees.krylov import gmres
 from sie.trees.panels import panels_over
 from sie.trees.tree import TERMS, Pairs, Tree
 
-# A function from the number of modes of a zone to distances 1 + t and 1 - t of points on it.
+# Type of a function from the number of modes of a zone to (1 + t, 1 - t) of points on it.
 PointsOf = Callable[[int], tuple[Array, Array]]
 
 
@@ -378,7 +378,7 @@ class ManySolver:
     def __call__(
         self, right: Array, tolerance: float | None = None, guess: Array | None = None
     ) -> Array:
-        """The unknowns for the given right sides.
+        """Solve for the unknowns of the linear system, for the given right sides.
 
         tolerance: another one than the solver's; guess: a first guess of the unknowns.
         """

@@ -115,19 +115,19 @@ class SlitDensity(DensityBase):
     # The methods below give the series of functions on the slits (narrow gaps in wide zones).
     @cached_property
     def series(self) -> list[list[Array]]:
-        """Series of sigma = s sqrt(1 - t^2) on each slit, with the slack s (the slit's unknown).
+        """Series of sigma = s sqrt(1 - t^2) in each slit (narrow gap); s is the unknown there.
 
-        t is the coordinate of the wide zone.
-
-        If `bounded_ends`, traces of the intensity K at the slits' ends are removed.
+        s is called the slack, and t is the coordinate of the wide zone around the slit. If
+        `bounded_ends`, traces of the intensity K at the slits' ends are removed.
         """
         split = [np.split(d, here.offset[1:-1]) for here, d in zip(self.slits, self.d, strict=True)]
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
-        """Series of s X^(1 - power) on each slit, with the slack s and X = sqrt(1 - t^2).
+        """Series of s X^(1 - power) in each slit (narrow gap); s is the unknown function there.
 
-        The slack is the unknown function in a slit, and t is the coordinate of the wide zone.
+        s is called the slack. X = sqrt(1 - t^2), with the coordinate t of the wide zone around the
+        slit.
         """
         return [
             [slit.over(d, power) for slit, d in zip(here.slits, row, strict=True)]
@@ -136,9 +136,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _tilde(self) -> list[list[Array]]:
-        """Series of s / X on each slit, with the slack s (slit's unknown) and X = sqrt(1 - t^2).
+        """Series of s / X in each slit (narrow gap); s is the unknown function there.
 
-        X times the Cauchy transform of sigma / X^2 is the density P[s] that the slack causes,
+        s is called the slack. X = sqrt(1 - t^2), with the coordinate t of the wide zone around the
+        slit. X times the Cauchy transform of sigma / X^2 is the density P[s] that the slack causes,
         except for its part (alpha + beta t) / X.
         """
         found = self._of_slits(2)
@@ -146,16 +147,19 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sigma(self) -> Density:
-        """The slack s (the slits' unknown) times sqrt(1 - t^2) of the wide zone, as a `Density`."""
+        """s sqrt(1 - t^2) in the slits (narrow gaps), as a `Density`; s is the unknown there.
+
+        s is called the slack, and t is the coordinate of the wide zone around a slit.
+        """
         return self._on_slits(self.series)
 
     @cached_property
     def _slack(self) -> Density:
-        """The slack s (the unknown function in the slits) on all slits, as a `Density`."""
+        """The unknown function s in the slits (narrow gaps), called slack, as a `Density`."""
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
-        """A `Density` whose zones are the slits; `series` has its coefficients on each slit."""
+        """A `Density` whose zones are the slits (narrow gaps), with coefficients from `series`."""
         slits = self.geometry.slits
         table = np.zeros((len(slits), max(len(one) for row in series for one in row)))
         for here, row in zip(self.slits, series, strict=True):
@@ -165,9 +169,9 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _edged(self) -> Density:
-        """The smooth part of the density, plus the part due to the slits that is singular at ends.
+        """Smooth part of the density, plus the slits' part that is singular at ends of wide zones.
 
-        This singular part is (alpha + beta t) /
+        A slit is a narrow gap inside a wide zone. The singular part is (alpha + beta t) / X, X =
         sqrt(1 - t^2), with the coordinate t of the wide zone.
         """
         alpha, beta = (part.copy() for part in self.smooth.singular)
@@ -264,7 +268,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """Coefficients of sqrt(d) in s sqrt(1 - t^2), where d is the distance from a slit's end.
+        """Coefficients of sqrt(d) in s sqrt(1 - t^2) at a distance d from the ends of the slits.
 
         s is the slack (the slit's unknown), with the part psi that jumps cause (see
         `sie.slits.kinks`).
@@ -322,6 +326,8 @@ class SlitDensity(DensityBase):
         self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]
     ) -> tuple[Array, Array]:
         """A quantity at the given zones' ends, from its values at ends of wide zones and slits.
+
+        A given zone ends at an end of a wide zone or at a slit, a narrow gap inside the wide zone.
 
         wide, slits: values at left and at right ends. Those of slits are divided by sqrt(1 - t^2)
         of the wide zone and multiplied by `signs`, one for left and one for right ends.
@@ -443,8 +449,8 @@ class SlitDensity(DensityBase):
         """The series of `_smooth_series` that have been computed, by zone."""
         return {}
 
-    # The methods below give the transform, the potential and the slack (the unknown function in a
-    # slit) at real points.
+    # The methods below give, at real points, the transform, the potential and the slack. The slack
+    # is the unknown function in a slit, a narrow gap inside a wide zone.
     def _into_wide(self, x: Array) -> Array:
         """Points x moved by whole periods into the period that starts with the first wide zone."""
         return wrapped(x, self.geometry.wide.a[0], self.kernel.period)
@@ -455,9 +461,9 @@ class SlitDensity(DensityBase):
         return len(self.geometry.slits)
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x is in a slit, integral of the slack s from the slit's left end to x).
+        """(whether x is in a slit, integral of the unknown s there from the slit's left end to x).
 
-        The slack s is the unknown function in a slit.
+        A slit is a narrow gap inside a wide zone. s is called the slack.
         """
         place = self._into_wide(np.asarray(x, dtype=float))
         slack = self._slack
@@ -468,7 +474,7 @@ class SlitDensity(DensityBase):
         return inside, opened
 
     def slack(self, place: Array) -> Array:
-        """The slack s (the unknown in a slit) at places on the wide zones; zero outside slits."""
+        """The unknown function s in slits (narrow gaps), called slack; zero outside the slits."""
         out = self._slack(place)
         for kink, _, some, left, right in self._in_kinks(place):
             out[some] += kink.slope(left, right)
@@ -477,8 +483,8 @@ class SlitDensity(DensityBase):
     def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, Mask, Array, Array]]:
         """Tuples (jump, half width of its slit, mask, left, right), one for each jump in a slit.
 
-        The mask selects the places in that slit; left and right are their distances from the slit's
-        ends, in half widths of the slit.
+        A slit is a narrow gap inside a wide zone. The mask selects the places in that slit; left
+        and right are their distances from the slit's ends, in half widths of the slit.
         """
         for here in self.slits:
             for k, kink in self.kinks_of(here):
@@ -515,9 +521,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def mean_openings(self) -> Array:
-        """Mean over each wide zone of the opening, which is the integral of the slack.
+        """Mean over each wide zone of the opening, the integral of the unknown in its narrow gaps.
 
-        The slack is the unknown function in a slit. The weight of the mean is 1 / sqrt(1 - t^2).
+        The narrow gaps are called slits, and the unknown function in them slack. The weight of the
+        mean is 1 / sqrt(1 - t^2).
         """
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slits, self.series, strict=True):
@@ -528,7 +535,7 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _slack_density(self) -> Density:
-        """The density caused by the first coefficients of the slack (the unknown in the slits).
+        """The density caused by the first coefficients of the unknowns in the slits (narrow gaps).
 
         It is given on the wide zones with slits, and holds far from them.
         """
@@ -567,9 +574,10 @@ class SlitDensity(DensityBase):
                     out[some[off]] += what(seen, here, row)
 
     def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Transform, outside a wide zone, of the density that the slack s of its slits causes.
+        """Transform, outside a wide zone, of the density due to the unknowns s in its narrow gaps.
 
-        It is (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau.
+        It is (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau. In the gaps, sigma is
+        s sqrt(1 - t^2).
         """
         total, past = np.zeros(seen.excess.shape), seen.sign > 0
         for slit, d in zip(here.slits, row, strict=True):
@@ -584,7 +592,7 @@ class SlitDensity(DensityBase):
             return np.asarray(total / seen.root)
 
     def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Potential, outside a wide zone, of the density due to the slack s (unknown in its slits).
+        """Potential, outside a wide zone, of the density due to the unknowns s in its narrow gaps.
 
         It is -w sum s_k rho^k / k, summed in closed form over each slit.
         """

@@ -145,9 +145,10 @@ class SlitKink(Kept):
 
     @property
     def at_ends(self) -> float:
-        """Coefficient J in psi = -+(J/pi) sqrt(2 delta), near the slit's left (-), right (+) end.
+        """Coefficient J of psi near the slit's ends: psi is -(J/pi) sqrt(2 delta) left, + right.
 
-        delta is the distance from the end, divided by the slit's half width.
+        psi is the jump's part of the slack (the slit's unknown function), see `slope`. delta is the
+        distance from the end, divided by the slit's half width.
         """
         return self.jump * self.half**self.order * self._weights[0]
 
@@ -204,7 +205,10 @@ class SlitKink(Kept):
     # slack (the slit's unknown function) that belongs to the jump.
     @cached_property
     def edge(self) -> tuple[float, float]:
-        """Coefficients (a_0, a_1) of (a_0 + a_1 t) / sqrt(1 - t^2) in the density due to psi."""
+        """(a_0, a_1) of the part (a_0 + a_1 t) / sqrt(1 - t^2) of the density that psi causes.
+
+        psi is the jump's part of the slack (the slit's unknown function), see `slope`.
+        """
         from_left, from_right, _, _ = self.seen
         return float(self._over_root @ (0.5 * (from_left - from_right))), float(
             self._over_root.sum()

@@ -136,7 +136,7 @@ class SlitPlane:
 
 
 def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Complex, Complex]:
-    """(transform, its derivative) of sigma = s sqrt(1 - t^2) on a wide zone's slits.
+    """(transform, its derivative) of s sqrt(1 - t^2) on the slits (narrow gaps) of a wide zone.
 
     s is the slack, the unknown function in a slit.
     """

@@ -43,7 +43,7 @@ from sie.trees.krylov import gmres
 
 @record
 class Opened(Trial):
-    """Contributions of the slack s (the slits' unknown) to quantities in side conditions.
+    """Contributions of the slack s (the unknown in narrow gaps) to side-condition quantities.
 
     The contributions are known numbers, so that all matrices are zero. slack: coefficients s_k of
     the slack in every wide zone that has slits; mean_opening: mean of the integral of s over each
@@ -58,10 +58,10 @@ class Opened(Trial):
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """Contribution of the slack s (the slits' unknown) to integrals of weight times density.
+        """Contribution of the slack s (the unknown in narrow gaps) to integrals of the density.
 
-        The first coefficients of the density are unknowns of the system and contain the share of s
-        already. Only the higher coefficients of s are added here.
+        The integrals have a weight. The first coefficients of the density are unknowns of the
+        system and contain the share of s already. Only the higher coefficients of s are added here.
         """
         out = np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved.tolist()):
@@ -75,11 +75,10 @@ class Opened(Trial):
 
 
 class SlitsNotConverged(SingularSystem):
-    """Raised if the joint solution of slits and wide zones does not converge.
+    """Raised if the joint solution of slits (narrow gaps) and wide zones does not converge.
 
-    A wide zone consists of zones that are joined across slits.
-
-    The response of a slit on the surrounding zones is too strong for the solver.
+    A wide zone consists of zones that are joined across slits. The response of a slit on the
+    surrounding zones is too strong for the solver.
     """
 
 
@@ -121,10 +120,10 @@ class SlitSystem(Kept):
 
     @cached_property
     def _answers(self) -> list[tuple[Array, Array]]:
-        """(matrix, constants), for each wide zone, that give the slits' series from the unknowns.
+        """(matrix, constants) for each wide zone: slits' series = matrix @ unknowns + constants.
 
-        The coefficients of its slits are matrix @ (unknowns of the zone) + constants. The unknowns
-        include the coefficients of the slack s.
+        The series are those of the unknown functions in the zone's slits (narrow gaps). The
+        unknowns are those of the zone, and include the coefficients of the slack s.
         """
         out = []
         for here, given in zip(self.slits, self._given, strict=True):
@@ -395,7 +394,7 @@ class SlitState(Answered):
 
     @cached_property
     def _tails(self) -> Array:
-        """Estimated sum of the neglected coefficients of the slits of each wide zone.
+        """Estimated sum, on each wide zone, of neglected coefficients of its slits' unknowns.
 
         It is extrapolated from the decay of the last coefficients.
         """

@@ -34,8 +34,8 @@ OPTIONS = ReasonOptions()
 def reason_of(state: Any, tol: float) -> str:
     """The reason, as a message, for the largest part of the stated error of a state."""
     iteration, conditions, resolution = _parts(state)
-    # `resolution` contains the error of the iteration, multiplied by the number of modes. So
-    # `iteration` is compared with a small fraction of `resolution`.
+    # `iteration` and `resolution` are errors of the density. `resolution` contains the error of the
+    # iteration times the number of modes, so `iteration` is compared with a small fraction of it.
     if iteration > max(0.1 * tol, ERRORS.negligible * resolution):
         return (
             "the iteration by which so many zones are solved does not come to rest: "
