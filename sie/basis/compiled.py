@@ -17,18 +17,20 @@ import numpy as np
 from sie.basis import lazy
 from sie.basis.data import Index
 
-# Number of terms from which on compiled loops are loaded. To load numba and a stored loop takes
-# 0.3 s, and array operations take that long for so many terms. Insensitive to a factor of four.
+# Compiled loops are loaded if all sums of a solution together have at least this many terms. To
+# load numba and a stored loop takes 0.3 s; numpy takes about as long to add so many terms.
+# Insensitive to a factor of four.
 MIN_TERMS = 1 << 28
-# Number of times that a solution computes the same sum: in a few dozen steps of GMRES, on the zones
+# Assumed number of times that a solution computes the same sum: a few dozen steps of GMRES in each
 # of a few steps of Newton's method.
 REPETITIONS = 128
-# Number of terms from which on a thread of its own pays: some 0.3 ms, to its start of 0.05 ms.
+# Least number of terms for each thread. To add so many terms takes some 0.3 ms, and to start a
+# thread takes 0.05 ms.
 TERMS_PER_THREAD = 1 << 20
 
 
 def loops(name: str, terms: float, repeated: bool = True) -> ModuleType | None:
-    """The file `name` of `sie.loops`; None for a sum of few terms, or where numba does not work.
+    """The compiled module `name` of `sie.loops`; None for a short sum or if numba does not work.
 
     repeated: whether the sum is one of those of which a solution computes many.
     """
@@ -54,7 +56,8 @@ def threads() -> int:
 
 
 def in_threads(loop: Callable[..., None], starts: Index, *arguments: Any) -> None:
-    """Call loop(begin, end, *arguments) on parts of the items, one part in each thread.
+    """Run loop(begin, end, *arguments) in several threads, each on its own range of the items.
+    The items are sums of different lengths.
 
     starts (n + 1,): number of terms before each of the n items, and of all terms. The parts have
     about the same number of terms, and at least `TERMS_PER_THREAD`. A loop writes to its own items only.

@@ -59,7 +59,7 @@ def record(cls: type[T]) -> type[T]:
 
 
 class Kept:
-    """Base of classes whose copies and pickles do not contain the cached properties.
+    """Base of classes whose copies and pickles leave out the values of cached properties.
 
     The cached properties follow exactly from the fields, so that nothing is lost.
 
@@ -78,7 +78,7 @@ class Kept:
         return state and self._fields_of(state)
 
     def _fields_of(self, values: dict[str, Any]) -> dict[str, Any]:
-        """The given attributes, without the cached properties."""
+        """The given attributes (name: value) of an object, without the cached properties."""
         cls = type(self)
         return {
             name: value
@@ -88,7 +88,8 @@ class Kept:
 
 
 def wrapped(x: Array, start: float | Array, period: float | None) -> Array:
-    """Places moved by whole periods into [start, start + period).
+    """Positions x moved by whole periods into [start, start + period).
+    Without a period they are not moved.
 
     Parameters
     ----------
@@ -114,7 +115,8 @@ def wrapped(x: Array, start: float | Array, period: float | None) -> Array:
 
 
 def nearest_image(x: Array, centre: float | Array, period: float | None) -> Array:
-    """Places moved by whole periods to within half a period of a centre.
+    """Positions x moved by whole periods to within half a period of a centre.
+    Without a period they are not moved.
 
     Parameters
     ----------

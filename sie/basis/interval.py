@@ -71,7 +71,8 @@ def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, 
 
 
 def end_changes(slope: Array, at_left: Array, at_right: Array, angle: Array) -> tuple[Array, Array]:
-    """Changes of a density at fixed t if the left, or the right, end moves by one zone width.
+    """Changes of a density at fixed t per motion of the left, and of the right, end.
+    The motion is measured in widths of the zone.
 
     slope: derivative of the density by the angle; at_left, at_right: its slopes by the angle from
     the ends. See `Series.sensitivity` for the formula.
@@ -99,7 +100,9 @@ def excess_of(rate: float) -> float:
 
 
 class Seen:
-    """Base class of points with the coordinate zeta; root = sqrt(zeta^2 - 1), rho = zeta - root."""
+    """Base class of points x relative to an interval: zeta = (x - middle) / half width.
+    root = sqrt(zeta^2 - 1) and rho = zeta - root are functions of this coordinate.
+    """
 
     rho: Array
     root: Array
@@ -188,7 +191,7 @@ class Outside(Seen):
 
 @record
 class OnLine(Seen):
-    """Points of the real line, on or off intervals, in the coordinates of these intervals.
+    """Points of the real line, on or off an interval, in coordinates relative to the interval.
 
     left, right: distances from the ends divided by the half width, positive inside. root: R; on:
     whether a point is on the interval. rho is meaningless there, but inside the unit circle.
@@ -361,7 +364,7 @@ def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen | InPlane, row:
 
 
 def _edge(a: Array, b: Array, from_left: Number, from_right: Number) -> Number:
-    """The sum a + b t, from 1 + t and 1 - t (or a + b rho, from 1 + rho and 1 - rho).
+    """The value a + b t, computed from 1 + t and 1 - t; with rho in place of t, a + b rho.
 
     No digit is lost close to an end where the result vanishes.
     """
@@ -448,7 +451,8 @@ def integral_on(c: Array, row: Index, angle: Array) -> Array:
 
 
 def mean_potential(w: Any, datum: Any, depth: Any = 0.0) -> Any:
-    """Mean over the interval, with weight 1/X, of the potential of 1/X, X = sqrt(1 - t^2).
+    """Mean over an interval of the potential of the density 1 / sqrt(1 - t^2) on it.
+    The weight of the mean is 1 / sqrt(1 - t^2), too.
 
     The mean is zero for T_l / X with l > 0. w: half width. datum: length by which the potential
     divides distances. depth: see `Zones`.
@@ -459,7 +463,9 @@ def mean_potential(w: Any, datum: Any, depth: Any = 0.0) -> Any:
 # The functions below give a density's intensity K and edge slope A: at the distance d from an end
 # the density is K / sqrt(d) + A sqrt(d).
 def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
-    """Intensities K at the left and the right end of (alpha + beta t) / sqrt(1 - t^2)."""
+    """Intensities K at both ends of the density (alpha + beta t) / sqrt(1 - t^2).
+    K is the coefficient of 1 / sqrt(d), with the distance d from the end.
+    """
     root = HALF.edge_scale(w)
     return root * (alpha - beta), root * (alpha + beta)
 
@@ -467,7 +473,8 @@ def intensities(alpha: Array, beta: Array, w: Array) -> tuple[Array, Array]:
 def edge_slopes(
     alpha: Array, beta: Array, at_left: Array, at_right: Array, w: Array
 ) -> tuple[Array, Array]:
-    """Edge slopes A at both ends of (alpha + beta t) / X + X sum u_k U_k, X = sqrt(1 - t^2).
+    """Edge slopes A at both ends of the density (alpha + beta t) / X + X sum u_k U_k.
+    X = sqrt(1 - t^2). A is the coefficient of sqrt(d), with the distance d from the end.
 
     A is the coefficient of sqrt(d) in the density at a small distance d from the end.
 

@@ -112,7 +112,8 @@ class Kernel(Kept):
         return {}
 
     def regular_of(self, what: What) -> Regular | None:
-        """Regular part of the kernel of the field `what`; None if the kernel has none.
+        """Regular part of the kernel that gives the field `what`; None if there is none.
+        `what` is the transform of the density, its derivative or the potential.
 
         Raises ValueError if the kernel has a regular part, but not for this field.
         """
@@ -314,7 +315,7 @@ class _HilbertRest(_OfPeriod):
 
 
 class _HilbertSlopeRest(_OfPeriod):
-    """Derivative of `_HilbertRest` by x."""
+    """Derivative by x of `_HilbertRest` (Hilbert's kernel without its three nearest poles)."""
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
@@ -348,7 +349,7 @@ class _HilbertPotentialRest(_OfPeriod):
 
 
 def is_hilbert(kernel: Kernel) -> bool:
-    """Whether a kernel is Hilbert's, without a regular part of a user."""
+    """Whether a kernel is Hilbert's kernel, to which the user has added no regular part."""
     return isinstance(kernel.regular, _HilbertRest)
 
 

@@ -92,7 +92,9 @@ class LagTable:
 
 
 def _unit_series() -> list[tuple[Array, int]]:
-    """(coefficients of T_k without zeros at the end, number of these zeros), for k < `terms`."""
+    """Chebyshev coefficients of T_k itself, for each k < `terms`, for a conversion to powers.
+    They are pairs (k zeros and a one, number of zeros that are left out after the one).
+    """
     return [
         (np.eye(OPTIONS.terms)[k][: k + 1], OPTIONS.terms - 1 - k) for k in range(OPTIONS.terms)
     ]

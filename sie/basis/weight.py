@@ -60,7 +60,7 @@ class Weight:
 
     @property
     def is_half(self) -> bool:
-        """Whether the exponent p is 1/2 at all ends."""
+        """Whether p = 1/2 at all ends; a density may grow there as (distance from the end)^(-p)."""
         return self.kappa is None
 
     @property
@@ -75,14 +75,18 @@ class Weight:
 
     @property
     def exponent(self) -> Any:
-        """The exponent p at left and right ends (2, n); 1/2 for an equation of the first kind."""
+        """Exponent p at left and right ends (2, n); 1/2 for an equation of the first kind.
+        Near an end, a density may grow as d^(-p), with the distance d from the end.
+        """
         if self.kappa is None:
             return 0.5
         return np.array(alphas(self.kappa))
 
     @property
     def _factor(self) -> Any:
-        """sin(pi alpha) 2^(2p - 1), where sin(pi alpha) = 1 / sqrt(1 + kappa^2); 1 for p = 1/2."""
+        """The factor sin(pi alpha) 2^(2p - 1) in `edge_scale` and `slope_scale`; 1 for p = 1/2.
+        sin(pi alpha) = 1 / sqrt(1 + kappa^2).
+        """
         if self.kappa is None:
             return 1.0
         kappa = self.kappa
@@ -91,28 +95,33 @@ class Weight:
         return 4**self.exponent / (2 * root)
 
     def edge_scale(self, w: Any) -> Any:
-        """The intensity K of sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).
+        """Intensity K, at both ends, of sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).
+        K is the coefficient of d^(-p), with the distance d from the end.
 
         w: half width of the zone.
         """
         return self._factor * (0.5 * w) ** self.exponent
 
     def slope_scale(self, w: Any) -> Any:
-        """The edge slope A of sin(pi alpha) (1 - t)^alpha (1 + t)^(1 - alpha).
+        """Edge slope A, at both ends, of sin(pi alpha) (1 - t)^alpha (1 + t)^(1 - alpha).
+        A is the coefficient of d^(1 - p), with the distance d from the end.
 
         w: half width of the zone.
         """
         return self._factor * (2 / w) ** (1 - self.exponent)
 
     def end_step(self, k: Any, slope: Any) -> Any:
-        """The outward motion of an end that removes its intensity k, to first order.
+        """The outward motion of an end that makes its intensity k vanish, to first order.
+        At the distance d from the end, the density is k / d^p + slope * d^(1 - p).
 
         The motion s of an end with K = 0 shifts A d^(1-p) by s, which changes K by -(1 - p) A s.
         """
         return k / ((1 - self.exponent) * slope)
 
     def secant_slope(self, change: Any, move: Any) -> Any:
-        """Edge slope A for which the `move` of an end changes the end's intensity by `change`."""
+        """Edge slope A for which the outward motion `move` of an end changes K by `change`.
+        A and K are the coefficients of d^(1 - p) and d^(-p), with the distance d from the end.
+        """
         return -change / ((1 - self.exponent) * move)
 
     def of(self, kept: Index) -> "Weight":

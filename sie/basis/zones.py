@@ -65,7 +65,9 @@ class End:
 
     @property
     def surplus(self) -> int:
-        """Number of unknowns minus equations that this end adds, relative to a bounded end."""
+        """Number of unknowns minus number of equations that this end adds.
+        It is 0 for a fixed bounded end.
+        """
         return 1 if self.moves or self.intensity is None else 0
 
 
@@ -326,7 +328,10 @@ class Zones(Kept):
 
     @cached_property
     def true_half(self) -> Array:
-        """Half widths of the zones (n,); those of rims are the true ones, see `depth`."""
+        """Half widths of the zones (n,), the true ones also for rims.
+        A rim is a zone between two different end values; it is computed with a larger width
+        (`depth`).
+        """
         return np.asarray(self.half * np.exp(np.maximum(self.depth, np.log(EPS))))
 
     @property
@@ -339,7 +344,9 @@ class Zones(Kept):
 
     @property
     def slope_scale(self) -> Array:
-        """The edge slope A of sqrt(1 - t^2) on each zone (n,) or end (2, n), see `Weight`."""
+        """The edge slope A of sqrt(1 - t^2) on each zone (n,) or end (2, n).
+        A is the coefficient of sqrt(d), with the distance d from the end. With kappa, see `Weight`.
+        """
         return np.asarray(self.weight.slope_scale(self.half))
 
     @cached_property
@@ -357,7 +364,7 @@ class Zones(Kept):
 
     @cached_property
     def fixed_bounded(self) -> tuple[list[int], list[int]]:
-        """Positions in `solved` of zones with a fixed bounded end, on the left and on the right.
+        """Positions in `solved` of zones with a fixed bounded left, or right, end: two lists.
 
         Both are lists of positions in `solved`.
         """

@@ -40,7 +40,7 @@ class Factored:
         return self._solved(right, 0)
 
     def transposed(self, right: Array) -> Array:
-        """The solution for the transposed matrix, for one or several right sides."""
+        """The solution of the system with the transposed matrix, for one or several right sides."""
         return self._solved(right, 1)
 
     def _solved(self, right: Array, trans: int) -> Array:

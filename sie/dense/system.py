@@ -80,7 +80,8 @@ class Layout:
         return out
 
     def flat(self, table: Array) -> Array:
-        """The array of unknowns with the coefficients of a table, and zero amplitudes.
+        """The array of unknowns that contains the coefficients of a table (zones, max m + 1).
+        The amplitudes of the equation's columns are zero in this array.
 
         It is the inverse of `padded`.
         """
@@ -91,7 +92,7 @@ class Layout:
 
 @record
 class Targets:
-    """Points on zones.
+    """Points on zones, for each of which the distances from both ends of its zone are known.
 
     zone: index of the zone of each point; left, right: distances from the ends of the zone; x:
     positions.
@@ -219,7 +220,9 @@ def _add_regular(
 def _panel_moments(
     zones: Zones, panels: Panels | Skeleton, layout: Layout, over_width: bool
 ) -> Array:
-    """Moments on the panels for a unit of each unknown coefficient (moments, coefficients).
+    """Moments, on panels or a skeleton, of the density with one coefficient 1 and the others 0.
+    The shape is (moments, coefficients). Panels are equal parts of the line, a skeleton is a set of
+    source points; both are for fast sums of a smooth kernel.
 
     over_width: whether they are divided by the half width of the zone.
     """
@@ -283,9 +286,9 @@ class System(Rows):
                 self.equation.forcing, zones, self.jumps, chosen, m
             )
         else:
-            # Here the density jumps, not the right side g. Then g has logarithms at the jumps, and
-            # `coefficients_between` would gain nothing. The lowest coefficients of g are those of
-            # its smooth part, minus those of the jumps' density (`taken`).
+            # If the density has the jumps, g has logarithms there, and `coefficients_between` would
+            # gain nothing. The lowest coefficients of g are then those of the smooth part of g,
+            # minus those of the density with the jumps (`taken`).
             of_g = widened(self.g[chosen], self.taken.shape[1])
             of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])
@@ -325,7 +328,8 @@ class System(Rows):
         return rows[self.kept], right[self.kept]
 
     def _quadrature_tails(self) -> Array:
-        """Relative quadrature error on each zone (Z,), for a kernel with a finite `length`.
+        """Relative error on each zone (Z,) of the quadrature of the kernel's regular part.
+        The kernel has a finite `length`, over which it varies.
 
         Gauss's rule confuses one coefficient of the kernel with the highest mode. The error is the
         size of this coefficient, extrapolated for x at both ends and in the middle of the zone.
@@ -355,12 +359,14 @@ class System(Rows):
 
     @cached_property
     def panels(self) -> Panels | Skeleton | None:
-        """Panels or skeleton for fast sums of the kernel's regular part; None if none applies."""
+        """Panels or skeleton for fast sums of the kernel's regular part; None if neither applies.
+        Panels are equal parts of the line. A skeleton interpolates from a few source points.
+        """
         return panels_over(self.equation.kernel, self.zones)
 
     @cached_property
     def unseen_moments(self) -> Array | None:
-        """Moments on the panels, from the density's coefficients above mode m; or None.
+        """Moments, on `panels`, of the part of the density above mode m; None if not needed.
 
         These coefficients are known, from g and the jumps of g. The result is None without panels,
         or if modes up to m resolve the regular part of the kernel.
@@ -376,7 +382,8 @@ class System(Rows):
         return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
-        """(equation rows, levels) due to the kernel's regular part.
+        """Part of (equation's rows, zones' levels) that is due to the kernel's regular part.
+        The level of a zone is the mean of the potential minus the primitive of g.
 
         moments: moments of the density on the panels.
         """
@@ -389,7 +396,7 @@ class System(Rows):
 
     @cached_property
     def diagonal(self) -> Index:
-        """For each kept row of the equation, the index of the unknown c_k of this row.
+        """For each solved row k of the equation, the index of the unknown coefficient c_k.
 
         On symmetric zones, `MirrorSymmetry` chooses these rows.
         """
@@ -397,7 +404,8 @@ class System(Rows):
 
     @cached_property
     def last_unknowns(self) -> Index:
-        """Index of each solved zone's last coefficient among the unknowns solved for.
+        """Index, among the unknowns solved for, of the highest Chebyshev coefficient of each zone.
+        Only solved zones are included; of symmetric zones they are the right half.
 
         A zone at the centre of symmetry has even coefficients only.
         """
@@ -520,7 +528,9 @@ class System(Rows):
 
     @cached_property
     def wants_levels(self) -> bool:
-        """Whether any side condition contains the levels of `Rows.levels`."""
+        """Whether any side condition contains levels of zones.
+        The level of a zone is the mean of the potential minus the primitive of the right side g.
+        """
         return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
     @property
@@ -528,23 +538,26 @@ class System(Rows):
         return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
-        """The part of the `levels` that is linear in the unknowns y."""
+        """The part of the zones' `levels` that is linear in the unknowns y."""
         return np.asarray(self.levels()[0] @ y)
 
     @property
     def integrated(self) -> bool:
-        """Whether differences of zones' levels are computed as integrals of the right side g.
-
-        Then they do not have the round-off of its primitive.
+        """Whether differences between the levels of zones are computed as integrals of g.
+        Such differences do not have the round-off of the primitive of g. The level of a zone is the
+        mean of the potential minus this primitive.
         """
         return False
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Root mean square round-off of the potentials in each zone's level (see `Rows.levels`)."""
+        """Root mean square round-off of each zone's level, as far as the potentials cause it.
+        The level is the mean over the zone of the potential minus the primitive of g.
+        """
         return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
-        """(rows, constants): the solved zones' levels are rows @ y + constants, unknowns y.
+        """(rows, constants) such that the levels of the solved zones are rows @ y + constants.
+        y: the unknowns.
 
         The level is the mean of the potential minus the primitive of the right side g.
 
@@ -567,7 +580,10 @@ class System(Rows):
         constants = rows @ layout.flat(self.known)
         if self.unseen_moments is not None:
             constants = constants + self.of_panels(self.unseen_moments)[1]
-        # A charge on a rim spreads over its true width (`Zones.depth`), the known passage does not.
+        # A rim (a zone between two different end values) has a smaller true width than it has here,
+        # by the factor exp(`Zones.depth`). The unknown total of the density on the rim is spread
+        # over the true width, so its mean potential differs. The known part of the density is not
+        # corrected.
         rows[np.arange(len(solved)), layout.offset[solved]] += (zones.half * zones.depth)[solved]
         for k, column in enumerate(self.equation.columns):
             rows[:, layout.coefficients + k] = -self._column_means(column.primitive)

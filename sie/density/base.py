@@ -31,7 +31,7 @@ class DensityBase(Kept):
         def edge_slopes(self) -> tuple[Array, Array]: ...
         @property
         def plane(self) -> Callable[[Complex, What], Complex]:
-            """The fields of the density at complex points."""
+            """Transform of the density, its derivative, and the potential, at complex points."""
 
     @property
     def beside(self) -> Logarithms | None:
@@ -50,12 +50,12 @@ class DensityBase(Kept):
 
     @property
     def upper_bound(self) -> float:
-        """An upper bound of the density that takes little time; inf if none is known."""
+        """An upper bound of the density's values that takes little time; inf if none is known."""
         return math.inf
 
     @property
     def exponents(self) -> Array:
-        """Exponents of the density at left and right ends (2, Z).
+        """Exponents of the density at left and right ends (2, Z): density ~ distance^exponent.
 
         `intensities` are the limits of density * d^(-exponent); d is the distance from the end. The
         exponents are -1/2 unless the equation has a kappa.
@@ -73,7 +73,8 @@ class DensityBase(Kept):
         return replace(self, bounded_ends=True)  # type: ignore[type-var]
 
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """Density at points given by a zone and distances from the zone's ends in half widths.
+        """Density at points, each given by its zone and the distances from both ends of the zone.
+        The distances are divided by the half width.
 
         left + right = 2; no digit is lost close to the ends.
         """

@@ -69,7 +69,7 @@ class Density(Series):
         kernel: Kernel | None = None,
         tol: float = 1e-12,
     ) -> "Density":
-        """The density that is given as a function of x, to ask for its transform or potential.
+        """A density given as a function of x, whose transform and potential can be evaluated.
 
         Near an end at the distance d the function must be K / sqrt(d) + A sqrt(d) + ...; at ends
         that are bounded or free, K is zero (or the prescribed intensity). Nothing is solved.
@@ -116,7 +116,7 @@ class Density(Series):
 
     @property
     def whole(self) -> "Density":
-        """The density on the zones without slits: here this object itself."""
+        """The density of the solution in which no gap is treated as a slit: this object itself."""
         return self
 
     @property
@@ -125,7 +125,8 @@ class Density(Series):
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, integral of the slit's unknown from the slit's left end to x).
+        """(whether x lies in a slit, integral of the slit's unknown from its left end to x).
+        A slit is a narrow gap treated as part of a wide zone; its unknown is g minus the transform.
 
         A slit is a narrow gap treated as part of a wide zone. This density has no slits: false and
         zero everywhere.
@@ -135,7 +136,7 @@ class Density(Series):
 
     @cached_property
     def plane(self) -> Plane:
-        """The fields of the density at complex points."""
+        """Transform of the density, its derivative, and the potential, at complex points."""
         return Plane(self)
 
     def _with_slope(self, points: Complex) -> tuple[Complex, Complex]:

@@ -57,7 +57,7 @@ from sie.trees.krylov import gmres
 
 @record
 class Moved:
-    """Direct effect of motions of ends on the density, before the unknowns respond to it.
+    """Direct effect of motions of ends on the density, while the unknowns do not change.
 
     coefficients: those of a density that acts on other zones as the singular densities do
     (unknowns, ...); own_level: change of the level of the same zone (Z, ...); own: change of the
@@ -72,7 +72,7 @@ class Moved:
 
     @classmethod
     def of(cls, state: State, d: Array) -> "Moved":
-        """The direct effect on the density of outward motions d (2, Z, ...) of the ends."""
+        """The direct effect of outward motions d (2, Z, ...) of the ends, at fixed unknowns."""
         zones, layout = state.density.zones, state.system.layout
         needs_half(zones.weight, "motions of ends with prescribed intensities")
         more = (1,) * (d.ndim - 2)
@@ -100,7 +100,8 @@ class Moved:
 
 @record
 class SingularDensities(Rows):
-    """The quantities that side conditions use, for the singular densities of J motions.
+    """Changes of the quantities in side conditions that J motions of ends cause directly.
+    At fixed unknowns, a motion changes the density by a function that is singular at the end.
 
     Each matrix has a column for each motion. Integrals with a weight count all modes of the weight,
     also those beyond the modes of the zone. kept: cache of these modes, by weight and zone.
@@ -144,7 +145,9 @@ class SingularDensities(Rows):
 
 
 class AppliedMotions(Applied):
-    """Values of the quantities in side conditions, for unknowns y plus singular densities."""
+    """Values of the quantities in side conditions, for changed unknowns and moved ends together.
+    A motion of an end changes the density by a singular function, `singular`.
+    """
 
     singular: SingularDensities
 
@@ -175,7 +178,7 @@ class FreeEnds:
         return np.asarray(values[self.side, self.zone])
 
     def spread(self, values: Array) -> Array:
-        """Values at all ends (2, Z, ...), also mirrored ones, from values at `self.ends`."""
+        """Values at all ends (2, Z, ...), including mirrored ones, from values at the free ends."""
         out = np.zeros((2, len(self.zones), *values.shape[1:]))
         out[self.side, self.zone] = values
         if self.zones.symmetric:
@@ -185,7 +188,7 @@ class FreeEnds:
 
 @dataclass(frozen=True)
 class MotionOptions:
-    """Options of the computation of motions of ends."""
+    """Options for the derivatives of intensities by motions of ends, and for growth rates."""
 
     # Largest number of steps of Arnoldi's method for the growth rate of displacements of the ends.
     max_arnoldi: int = 64
@@ -209,17 +212,17 @@ class IteratedMotions(FreeEnds):
         self.kept: dict[tuple[Callable[[Array], Array], int], Array] = {}
 
     def _applied(self, folded: Array, d: Array) -> tuple[Array, Array]:
-        """Left sides of equation and conditions, and intensities K, for a response and motions d.
-
-        folded: unknowns of the response; d: motions of the free ends.
+        """Left sides of the equation and the conditions, and intensities K of the free ends.
+        They are caused by the motions d of the free ends and by a response, that is, by changes
+        `folded` of the unknowns.
         """
         rows, edges = self.applied(folded, Moved.of(self.state, self.spread(d)))
         return rows, edges[self.side, self.at]
 
     def applied(self, folded: Array, moved: Moved) -> tuple[Array, Array]:
-        """Left sides of equation and conditions, and the intensities K at all ends (2, solved).
-
-        They are caused by a response and by motions of any ends, free or fixed.
+        """Left sides of the equation and the conditions, and intensities K of all ends (2, solved).
+        They are caused by motions of any ends, free or fixed, and by a response, that is, by
+        changes `folded` of the unknowns.
         """
         system: IterativeSystem = self.system
         y = system.symmetry.unfold(folded)
@@ -277,7 +280,7 @@ class IteratedMotions(FreeEnds):
         return np.asarray(np.einsum("zab,bz->az", np.abs(self._local), k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
-        """(changes of the free ends' intensities, changes of the levels) by motions d of free ends.
+        """(changes of the free ends' intensities, changes of the levels) by motions d of ends.
 
         The levels are the constants of the potential on the solved zones. The values of the side
         conditions do not change.
@@ -296,7 +299,7 @@ class IteratedMotions(FreeEnds):
         return at_ends, levels
 
     def responses(self, d: Array) -> list[Array]:
-        """Unknowns of the equation's response to each of several motions of the free ends."""
+        """Changes of the unknowns that each of several motions of the free ends causes."""
         none = np.zeros(self.solver.size)
         folded = [self.solver(-self._applied(none, one)[0], None, OPTIONS.response) for one in d.T]
         return [self.system.symmetry.unfold(one) for one in folded]
@@ -356,7 +359,9 @@ class IteratedMotions(FreeEnds):
             return np.asarray(out - by_value * (normal @ out) / (normal @ by_value))
 
         def along(d: Array) -> Array:
-            """The component of a motion d of the ends that keeps the condition on the ends."""
+            """The part of a motion d of the ends that fulfils the condition normal @ d = 0.
+            Without a condition it is d itself.
+            """
             return (
                 d if normal is None else np.asarray(d - normal * (normal @ d) / (normal @ normal))
             )
@@ -373,8 +378,8 @@ class IteratedMotions(FreeEnds):
                 h[: k + 1, k] += part
                 w = along(w - part @ np.array(basis))
             h[k + 1, k] = norm(w)
-            # If the new vector is as small as the error of the responses, the Krylov space is
-            # complete: another vector would add only noise.
+            # If the new vector of the Krylov space is as small as the error of its computation, the
+            # space is complete: another vector would add only noise.
             whole = k + 1 == most or h[k + 1, k] <= 10 * OPTIONS.response * size
             # The eigenvalues are computed if the number of steps k + 1 is a power of two that is at
             # least an eighth of `max_arnoldi`, and at the end.
@@ -453,7 +458,7 @@ def end_rates(state: State) -> EndRates:
 
 
 def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
-    """(`EndRates`, table (unknowns, E) of the equation's responses to unit motions of ends).
+    """(derivatives `EndRates`, changes (unknowns, E) of the unknowns by unit motions of E ends).
 
     The table of responses is empty if the rates are found by iteration.
     """
@@ -489,7 +494,9 @@ def _rates_and_responses(state: State) -> tuple[EndRates, Array]:
 
 
 def _rates_by_differences(state: SecondKindState) -> tuple[EndRates, Array]:
-    """`_rates_and_responses` for an equation with kappa, by differences of displaced solutions."""
+    """The result of `_rates_and_responses` for an equation with kappa, by finite differences.
+    They are differences between solutions on zones with one end displaced.
+    """
     free, step = FreeEnds(state), np.cbrt(EPS)
     asks_levels = any(condition.levels for condition in state.equation.conditions)
     intensities, levels, unknowns = [], [], []
@@ -513,7 +520,8 @@ def _rates_by_differences(state: SecondKindState) -> tuple[EndRates, Array]:
 
 
 def rows_of_motions(state: State, matrix: Array, moved: Moved) -> Array:
-    """Left sides of equation and conditions for the singular densities of J motions: (rows, J).
+    """Changes of the left sides of equation and conditions by J motions of ends: (rows, J).
+    The unknowns are fixed: a motion changes the density by a function that is singular at the end.
 
     matrix: the matrix of the state; moved: the motions of any ends, free or fixed (2, Z, J).
     """
@@ -580,8 +588,8 @@ class DirectMotions(FreeEnds):
     def __init__(self, state: State) -> None:
         super().__init__(state)
         self._rates, self._responses = _rates_and_responses(state)
-        # For a motion that leaves the intensities unchanged, the derivatives are not exactly zero,
-        # because of round-off. So the condition number of the matrix is tested.
+        # If some motion leaves all intensities unchanged, the matrix of derivatives is singular.
+        # Because of round-off it is not exactly singular, so its condition number is tested.
         neutral = (
             len(self.ends) > 0 and not SUM_ROUNDING * np.linalg.cond(self._rates.intensities) < 1.0
         )
@@ -602,7 +610,7 @@ class DirectMotions(FreeEnds):
         return self._rates.intensities @ d, levels @ d if levels.size else np.zeros(0)
 
     def responses(self, d: Array) -> list[Array]:
-        """Unknowns of the equation's responses to n motions (E, n) of the free ends.
+        """Changes of the unknowns that each of n motions (E, n) of the free ends causes.
 
         The response is the change of the density at fixed positions without its singular part.
         """
