@@ -32,7 +32,7 @@ OPTIONS = FigureOptions()
 def draw(density: AnyDensity, ax: Any = None) -> Any:
     """Draw the density on matplotlib's `ax` or on a new figure; return the figure.
 
-    The real and the imaginary part of a complex density are drawn in two colours.
+    The imaginary part of a complex density has another colour and is dashed.
     """
     try:
         figures = lazy.module("matplotlib.figure")
@@ -50,9 +50,13 @@ def draw(density: AnyDensity, ax: Any = None) -> Any:
     t = -np.cos((np.arange(count) + 0.5) * (np.pi / count))
     values = np.array([density.at_t(i, t) for i in range(len(zones))])
     parts = [values.real, values.imag] if np.iscomplexobj(values) else [values]
-    for number, part in enumerate(parts):
+    looks = (("C0", "-", "real part"), ("C1", "--", "imaginary part"))
+    for part, (colour, dashes, name) in zip(parts, looks, strict=False):
         for middle, half, phi in zip(zones.middle, zones.half, part, strict=True):
-            ax.plot(middle + half * t, phi, color=f"C{number}")
+            (line,) = ax.plot(middle + half * t, phi, color=colour, linestyle=dashes)
+        line.set_label(name)
+    if len(parts) > 1:
+        ax.legend(frameon=False)
     inner = np.array(parts)[..., np.abs(t) <= OPTIONS.shown]
     low, high = min(0.0, float(inner.min())), max(0.0, float(inner.max()))
     if high > low:
