@@ -38,7 +38,9 @@ def room_beside(zones: Zones, equation: Equation) -> Array:
 
 
 def are_narrow(zones: Zones, equation: Equation) -> Mask:
-    """Mask of the rims that are much narrower than the gaps or plateaus beside them (Z,)."""
+    """Mask (Z,) of narrow rims; a rim is a zone between two different end values.
+    A narrow rim is much narrower than the gap and the plateau (or the two plateaus) next to it.
+    """
     if not zones.have_values or not zones.weight.is_half:
         return np.zeros(len(zones), dtype=bool)
     part = OPTIONS.max_shrink
@@ -46,7 +48,7 @@ def are_narrow(zones: Zones, equation: Equation) -> Mask:
 
 
 def end_scales(zones: Zones, equation: Equation) -> Array:
-    """Length to which errors of the ends of each zone are relative (Z,).
+    """Reference length of each zone (Z,), by which errors of its ends are divided.
 
     It is the width of the zone or, for a narrow rim, that of the narrower gap or plateau beside it.
     """
@@ -57,7 +59,8 @@ def end_scales(zones: Zones, equation: Equation) -> Array:
 
 
 def least_part(tolerance: float) -> float:
-    """Least width of a rim over the narrower gap or plateau beside it.
+    """Least width of a rim, divided by that of the narrower gap or plateau beside it.
+    A rim is a zone between two different end values.
 
     The error that it causes is the square of this, times a condition: 1e-4 of the tolerance.
     """
@@ -67,9 +70,9 @@ def least_part(tolerance: float) -> float:
 def with_rim_steps(
     motion: NewtonStep, state: AnyState, options: NewtonOptions, tolerance: float
 ) -> NewtonStep:
-    """The Newton step, with those of narrow rims by their middle and the logarithm of the width.
-
-    tolerance: of the ends.
+    """The Newton step of the ends; that of narrow rims is computed in other variables.
+    A rim is a zone between two different end values. Its variables are its middle and the logarithm
+    of its width. tolerance: tolerance of the positions of the ends.
     """
     zones, equation = state.density.zones, state.equation
     narrow = np.flatnonzero(are_narrow(zones, equation))
@@ -84,18 +87,21 @@ def with_rim_steps(
     rounding = 2 * state.intensity_noise[:, narrow] / slope
     least = np.log(np.minimum(least_part(tolerance) * room, width))
     most = np.log(np.maximum(options.max_shrink * room, width))
-    # Near the root, the edge slopes of the density know how the right side varies on the rim.
-    # Farther away, c changes them.
+    # Near the solution, the plain Newton step `delta` is used, since the edge slopes contain the
+    # variation of the right side on the rim. Farther away, the constant part of the residual
+    # changes the edge slopes, so that the step uses `slope` instead.
     change = plain.sum(axis=0) / width
     near = (np.abs(change) < options.max_growth) & (np.log(width) + change > least) & ~weak[narrow]
     plain = np.where(near, delta[:, narrow], plain)
     noise[:, narrow] = np.where(near, noise[:, narrow], rounding)
     change = plain.sum(axis=0) / width
-    # The level of a rim depends on the logarithm of the width that was assumed in it.
+    # The mean potential on a rim contains the logarithm of the width assumed for the rim. So a
+    # shift found with the assumed width is multiplied by the ratio of the two logarithms.
     assumed, true = (
         np.maximum(np.log(room / width) - part, 1.0) for part in (zones.depth[narrow], change)
     )
-    # The charge is known better than its intensity, which curvature of the right side changes.
+    # The shift of a rim follows from the unknown total of its density (`charge`). It could also
+    # follow from the intensities K, but curvature of the right side changes these.
     charge = np.asarray(state.density.totals)[narrow] - half * values.sum(axis=0)
     by_charge = charge / (values[0] - values[1])
     shift = np.where(near, 0.5 * (plain[1] - plain[0]), by_charge) * assumed / true
@@ -111,7 +117,9 @@ def with_rim_steps(
 def without_alternation(
     motion: NewtonStep, zones: Zones, narrow: Mask, last: LastMoves
 ) -> NewtonStep:
-    """The step; where a narrow rim turns back, it is at most half as long as the last one.
+    """The Newton step, shortened on narrow rims for which it reverses the last step.
+    It is then at most half as long as the last step. A rim is a zone between two different end
+    values.
 
     The right side on a rim may vary within the length of a step, so that steps would alternate.
     last: the last step, after which the zones are as they are.

@@ -300,7 +300,7 @@ class Forcing(Kept):
         return len(self.jumps.of_order_zero[0]) > 0
 
     def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
-        """The jumps inside zones, and the poles whose sums replace powers |x - s|^p.
+        """The jumps inside zones, and the poles whose sums approximate powers |x - s|^p.
 
         If ends have prescribed values, a density constant beside each zone (a plateau) is added. It
         causes logarithms in the right side at the ends.

@@ -32,7 +32,7 @@ from sie.trees.tree import TERMS, Pairs, Tree
 
 @record
 class NearRows:
-    """Sparse matrices from the unknowns to the fields of near zones.
+    """Sparse matrices from the unknowns of zones to their fields on neighbouring zones.
 
     transform: at the inner Lobatto nodes of each solved zone; potential: at their middles.
     """
@@ -150,14 +150,18 @@ class PanelSums:
         )
 
     def moments(self, y: Array) -> Array:
-        """Moments on the panels of the density with unknowns y."""
+        """Moments, on the panels, of the density with unknowns y.
+        Panels are equal parts of the line.
+        """
         weights = [
             (chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups
         ]
         return self.panels.moments(self.sources, np.concatenate(weights))
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:
-        """(transform at the inner nodes, potential at the middle) of each solved zone."""
+        """(transform at the inner nodes, potential at the middle) of each solved zone.
+        Both are fields of the kernel's regular part.
+        """
         transform = self.panels.at(self.targets, moments, False)
         if self.panels.kernel.regular_potential is None:  # then no condition asks for potentials
             return transform, np.zeros(len(self.zones.solved))
@@ -194,7 +198,10 @@ class ZoneSums:
 
     @property
     def size(self) -> int:
-        """Number of terms of one sum: entries of the near matrix, and terms of far series."""
+        """Number of terms of one evaluation of the field of all zones.
+        Counted are entries of the matrix for neighbouring zones, and terms of series for zones far
+        apart.
+        """
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:

@@ -67,7 +67,8 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class GradedState(Answered):
-    """The solution on zones with graded coordinates; it has the members of `State`.
+    """Solution on zones with graded coordinates, which are refined next to narrow gaps.
+    It has the same members as `State`, the solution in ordinary coordinates.
 
     density: the wanted function; solver: LU factors of the rows; conditions_from: index of the
     first row of the side conditions; condition_scale: scales of these rows; row_sizes: root of the
@@ -111,7 +112,9 @@ class GradedState(Answered):
 
     @property
     def truncation(self) -> Array:
-        """The same as `tails`: the right side has no coefficients of its own."""
+        """Relative size of the last coefficients of each zone, the same as `tails`.
+        Here the right side is not expanded in a series of its own.
+        """
         return self.tails
 
     @property
@@ -147,12 +150,14 @@ class GradedState(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone: mean of the potential less the right side's primitive."""
+        """Level of each solved zone: the mean of the potential minus the primitive of g."""
         rows, constants = self.system.levels()
         return np.asarray(rows @ self.density.unknowns + constants)
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of `levels` if the side conditions' values change by `values`."""
+        """Changes of the zones' `levels` if the side conditions' values change by `values`.
+        The level of a zone is the mean of the potential minus the primitive of the right side.
+        """
         return np.asarray(self.system.levels()[0] @ self._answer(values))
 
     # The methods below estimate errors of the solution. Charges are values of the function F, which
@@ -233,7 +238,7 @@ class GradedState(Answered):
 
     @cached_property
     def _change_series(self) -> Array:
-        """Changes of each zone's series caused by random errors of the rows (samples, Z, n)."""
+        """Changes of each zone's series (samples, Z, n) by random errors of the linear system."""
         system, chance = self.system, np.random.default_rng(0)
         errors, rows = np.hypot(EPS * self.row_sizes, self.residuals), self.conditions_from
         if any(speaks_of_levels(one, system.zones) for one in self.equation.conditions):
@@ -248,7 +253,10 @@ class GradedState(Answered):
 
     @cached_property
     def _errors(self) -> tuple[Array, Array, Array]:
-        """(error of phi sqrt(1 - t^2), largest phi sqrt(1 - t^2), error of F_k) of each zone."""
+        """For each zone: (error of phi sqrt(1 - t^2), its largest value, error of the charges).
+        phi: density; t: coordinate on the zone. Charges are values of phi sqrt(1 - s^2) dx/ds, with
+        the graded coordinate s.
+        """
         system = self.system
         errors, sizes, charges = np.zeros((3, len(system.zones)))
         for zone, places in enumerate(system.sources):
@@ -276,7 +284,8 @@ class GradedState(Answered):
 
     @cached_property
     def density_error(self) -> float:
-        """Estimated relative error of the density and of the charges F_k.
+        """Estimated relative error of the density phi, and of the charges phi sqrt(1 - s^2) dx/ds.
+        s is the graded coordinate on a zone.
 
         It is the sum of two relative errors: that of the density times sqrt(1 - t^2), and that of
         the charges F_k. Next to a narrow gap the density may be orders of magnitude larger than on
@@ -287,7 +296,9 @@ class GradedState(Answered):
 
     @cached_property
     def zone_errors(self) -> Array:
-        """`density_error` of each zone (Z,), from the errors and sizes of this zone alone."""
+        """Estimated error of density and charges on each zone (Z,), relative to their sizes there.
+        It is the `density_error` of the zone alone.
+        """
         errors, sizes, charges = self._errors
         of_charges = zip(charges, self.charge_sizes, strict=True)
         pairs = zip(zip(errors, sizes, strict=True), of_charges, strict=True)
@@ -295,7 +306,9 @@ class GradedState(Answered):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of the density times sqrt(1 - t^2) on each zone (Z,), due to errors of the rows."""
+        """Error of the density times sqrt(1 - t^2) on each zone (Z,), due to errors of the system.
+        Those are errors of the rows of the linear system, such as round-off.
+        """
         return self._errors[0]
 
     def _intensity_errors(self, of_ends: Array) -> Array:
@@ -308,7 +321,7 @@ class GradedState(Answered):
 
     @cached_property
     def intensity_noise(self) -> Array:
-        """Error of the intensities K at left and right ends due to errors of the rows (2, Z)."""
+        """Error (2, Z) of the intensities K at both ends, due to errors of the linear system."""
         c = self._change_series
         signs = 1.0 - 2.0 * (np.arange(c.shape[2]) % 2)
         at_ends = np.array([c @ signs, c.sum(axis=2)])
@@ -316,12 +329,14 @@ class GradedState(Answered):
 
     @cached_property
     def intensity_truncation(self) -> Array:
-        """Error (2, Z) of the intensities K at left and right ends due to truncation."""
+        """Error (2, Z) of the intensities K at both ends, due to truncation of the series."""
         return self._intensity_errors(np.array([self.missing, self.missing]))
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Truncation error of each moving end, relative to its zone's half width (Z, 2)."""
+        """Error of the position of each moving end that truncation of the series causes (Z, 2).
+        It is divided by the half width of the end's zone.
+        """
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         return np.asarray(self.intensity_truncation / np.maximum(slopes, 1e-300) / zones.half).T
@@ -356,7 +371,7 @@ def _ratio(error: float, size: float) -> float:
 
 
 def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Sizes) -> GradedState:
-    """The solution on zones with graded coordinates.
+    """The solution on zones whose coordinates are graded, that is, refined next to narrow gaps.
 
     Modes are added to zones until the last ones have decayed to the tolerance, or no longer decay.
     """
@@ -370,7 +385,8 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
             count = np.maximum(count, count[::-1])
         state = _solve_once(equation, GradedSystem(equation, zones, count, jumps), sizes)
         tails = state.tails
-        # Tails that more modes do not halve are round-off.
+        # If more modes do not halve the relative size of the last coefficients (`tails`), these
+        # coefficients are round-off.
         more: Mask = (tails > enough) & (count < OPTIONS.max_modes) & (tails < 0.5 * last)
         # Coefficients are assumed to decay exponentially, so that the number of modes is
         # proportional to the number of digits. `tails` near 1 would make `wanted` far too large, so
@@ -381,7 +397,8 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
         if not more.any():
             return state
         if wanted.sum() > OPTIONS.max_unknowns:
-            # The remaining unknowns are shared by the zones that need more.
+            # There may be `max_unknowns` unknowns. Those not yet used are given to the zones that
+            # need more, in proportion to the needs.
             spare = (OPTIONS.max_unknowns - count.sum()) / (wanted - count).sum()
             if spare * (wanted - count).max() < 2.0:
                 return state
@@ -390,7 +407,7 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
 
 
 def _solve_once(equation: Equation, system: GradedSystem, sizes: Sizes) -> GradedState:
-    """The solution of an assembled system."""
+    """The solution of the linear system with the numbers of modes that `system` has."""
     matrix, right = system.equation_rows()
     rows, values = condition_rows(equation, system, system.size)
     scale = np.abs(rows).max(axis=1, initial=0.0)

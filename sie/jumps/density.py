@@ -147,9 +147,8 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give potentials of the jumps.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of jumps, poles and nearby logarithms, divided by w, without c_0 log(w).
-
-        w is the half width of the zone. c_0 is the integral of the density, divided by pi w.
+        """Potential of jumps, poles and nearby logarithms, divided by the half width w.
+        The term c_0 log(w) is left out, where c_0 is the integral of the density, divided by pi w.
 
         On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of
         -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)). For other q see `_potential`.
@@ -179,13 +178,12 @@ class DensityJumps(ForcingJumps):
             return np.asarray(np.log(2 * seen.rho[:, None] * away))
 
     def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """Derivative of `logarithm` by the coordinate zeta."""
+        """Derivative by zeta of `logarithm`, which is log(2 rho (zeta - s)) for jumps k at s."""
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k, divided by the half width w, without c_0 log(w).
-
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of jumps k, divided by the half width w.
+        The term c_0 log(w) is left out, where c_0 is the integral of the density, divided by pi w.
         """
         higher = self.order[k] > 0
         out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
@@ -196,8 +194,8 @@ class DensityJumps(ForcingJumps):
             @ (self.height[kinks] / np.pi)
         )
 
-    # The methods below give factors in the closed forms of `PlacedJumps`, for jumps of the density
-    # itself.
+    # The methods below override factors in the closed forms of `PlacedJumps`. There the right side
+    # has the jumps; here the density has them.
     @cached_property
     def line(self) -> tuple[Array, Array]:
         first, second = self.order == 1, self.order == HIGHEST

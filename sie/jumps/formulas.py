@@ -61,7 +61,7 @@ class PlacedJumps(PerZone):
         return none, places, places, places, none
 
     def chosen(self, which: Mask | Index) -> Self:
-        """The jumps that a mask or an array of indices selects."""
+        """The jumps selected by `which`, a mask or an array of indices."""
         zone, left, right = self.zone[which], self.left[which], self.right[which]
         return replace(
             self,
@@ -91,8 +91,8 @@ class PlacedJumps(PerZone):
     def s(self) -> Array:
         return 0.5 * (self.left - self.right)
 
-    # The methods below give factors of the closed forms for jumps k at points. The arrays of jumps
-    # and points are broadcast.
+    # The methods below give factors of the closed forms, for jumps k and points. The arrays of
+    # jumps and of points are broadcast against each other.
     @cached_property
     def line(self) -> tuple[Array, Array]:
         """(constant, slope) of the polynomial P_q(t) in the transform of each jump of order q."""
@@ -116,7 +116,9 @@ class PlacedJumps(PerZone):
         return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """The function `kappa` of jumps k, at points given by distances from the zone's ends."""
+        """The function log(sin((theta + phi)/2) / |sin((theta - phi)/2)|) of jumps k at cos(phi).
+        The points cos(theta) are given by their distances from the zone's ends.
+        """
         return kappa(
             np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k]
         )
@@ -210,7 +212,7 @@ class PlacedJumps(PerZone):
             rest = rest + (square / 9 - s * s / 2 - 1 / 12 - np.log(2) * (square / 6 + s * s / 2))
         return raised(away, q + 1) * turn / (q + 1) + sine * rest
 
-    # The methods below give the series of jumps k.
+    # The methods below give series, in sines or Chebyshev polynomials, of the density of jumps k.
     def sine_weights(self, k: Index, j: Array) -> Array:
         """Weights b_j in the density (h/pi) sum_j (2/j) b_j sin(j theta) of jumps k of order 0.
 

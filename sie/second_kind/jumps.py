@@ -50,7 +50,9 @@ class KnownJumps(Kept):
     factors: Array
 
     def _away(self, left: Array, right: Array) -> Array:
-        """t - s at points t (P,) given by 1 + t and 1 - t, for all places s (P, places)."""
+        """Differences t - s (P, jumps) of points t (P,) and the positions s of all jumps.
+        The points are given by 1 + t and 1 - t.
+        """
         from_left = left[:, None] - self.closed.left
         from_right = self.closed.right - right[:, None]
         return np.where((left < right)[:, None], from_left, from_right)
@@ -61,12 +63,16 @@ class KnownJumps(Kept):
         return self.closed.density(left[:, None], right[:, None], away, self.order) @ self.factors
 
     def own(self, left: Array, right: Array) -> Array:
-        """kappa phi + T phi at points (P,) of the zone, for the density phi of its jumps."""
+        """The value of kappa phi + T phi at points (P,) of the zone.
+        phi is the density that the jumps cause, and T phi its transform.
+        """
         return self.closed.own(self._away(left, right), self.order) @ self.factors
 
     @cached_property
     def _by_parts(self) -> Array:
-        """Coefficients in S_n of the polynomial part of the integral by parts, over all jumps."""
+        """Coefficients, summed over all jumps, of a part of the integral of the density.
+        Integration by parts leaves it as a sum of S_n = weight of the end exponents * polynomial.
+        """
         return self.closed.by_parts(self.order) @ self.factors
 
     def integral_to(self, left: Array, right: Array) -> Array:
@@ -80,7 +86,9 @@ class KnownJumps(Kept):
         return np.asarray((np.where(away == 0, 0.0, edge) @ self.factors + rest) / (1 + self.order))
 
     def own_level(self, left: Array, right: Array) -> Array:
-        """Potential of the density on the zone, plus kappa times `integral_to`, over w."""
+        """Potential of the density phi, plus kappa times the integral of phi, divided by w.
+        It is given on the zone, of half width w, and is a primitive of kappa phi + T phi.
+        """
         higher = self.closed.own(self._away(left, right), self.order + 1) @ self.factors
         rest = self.closed.weighted.own_level(self._by_parts, left, right)
         return np.asarray((higher + rest) / (1 + self.order))
@@ -104,7 +112,9 @@ class KnownJumps(Kept):
         near: Callable[[Outside], Array],
         far: Callable[[Array, Array, Array], Array],
     ) -> Array:
-        """Values at points off the zone: by `far` where `far` is accurate, else by `near`."""
+        """A field at points off the zone, by the series `far` or by `near`.
+        The series is used where it is accurate.
+        """
         sign, excess = np.broadcast_arrays(np.asarray(points.sign), points.excess)
         left, less = from_ends(Outside(sign, excess))
         is_far = np.abs(rho_of(left, less)) < OPTIONS.far
@@ -116,13 +126,15 @@ class KnownJumps(Kept):
         return out
 
     def _near_transform(self, points: Outside, order: int) -> Array:
-        """Transform at points (P,) off the zone of the sum of `factors` times (t - s)^order J_s."""
+        """Transform, at points (P,) off the zone, of the sum over jumps of (t - s)^order J_s.
+        J_s is the density of a jump at s; each term has its factor in `factors`.
+        """
         at = Outside(np.asarray(points.sign)[..., None], points.excess[..., None])
         return np.asarray(self.closed.transform(at, order=order) @ self.factors)
 
     @cached_property
     def _moments(self) -> Array:
-        """The `FAR_TERMS` moments that `series` needs at far points."""
+        """Chebyshev moments of the density, from which `series` sums its field far from the zone."""
         return self.moments(FAR_TERMS)
 
     def in_plane(self, points: InPlane, what: tuple[Array, Array, bool]) -> Complex:
@@ -152,7 +164,9 @@ class KnownJumps(Kept):
         return float(left @ self.factors), float(right @ self.factors)
 
     def moments(self, length: int) -> Array:
-        """Chebyshev coefficients (`JacobiFunctions.moments`) of the field outside the zone."""
+        """Chebyshev moments of the density, which give its field outside the zone.
+        See `JacobiFunctions.moments`.
+        """
         return np.asarray(self.factors @ self.closed.moments(length, self.order))
 
 

@@ -104,7 +104,8 @@ def _solve_once(
     y = solver(right)
     terms = np.hypot(root_of_squares(matrix, y), np.abs(right))
     last = matrix[:, layout.offset + m].copy()
-    # The last coefficient of a zone causes no error in the rows of the same zone.
+    # The columns `last` estimate the effect of truncated coefficients, which cause no error in the
+    # rows of their own zone.
     last[np.arange(int(m.sum())), np.repeat(np.arange(len(m)), m)] = 0.0
     solver = replace(solver, size_of_rows=terms, last=last)
     sizes.solves += 1

@@ -81,7 +81,7 @@ class SecondKindState(Answered):
 
     @property
     def whole(self) -> Any:
-        """The solution on the zones without slits, which is this object itself."""
+        """The solution in which no gap is treated as a slit: this object itself."""
         return self
 
     @property
@@ -96,16 +96,18 @@ class SecondKindState(Answered):
 
     @property
     def kept(self) -> Index:
-        """Number of coefficients of each zone beyond c_0 (Z,)."""
+        """Number of coefficients c_1, c_2, ... of the density on each zone (Z,), without c_0."""
         return self.system.layout.m
 
     @property
     def truncation(self) -> Array:
-        """Sizes of the last coefficients of each zone (Z,); the same as `tails`."""
+        """Relative size of the last coefficients of each zone (Z,); the same as `tails`."""
         return self.tails
 
     def wide_of(self, zones: Index) -> tuple[Self, Index]:
-        """The solution on zones without slits, and the indices of the given zones in it."""
+        """(solution in which no gap is treated as a slit, indices of the given zones in it).
+        A slit is a narrow gap inside a wide zone; here there is none.
+        """
         return self, zones
 
     def response(self, values: Array, tolerance: float = 0.0) -> SecondKindDensity:
@@ -125,15 +127,20 @@ class SecondKindState(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each zone: potential minus primitive of g (see `SecondKindRows.levels`)."""
+        """Level of each zone: a constant on the zone, see `SecondKindRows.levels`.
+        It is the constant of (potential + integral of kappa phi - primitive of g).
+        """
         rows, constants = self.system.levels()
         return np.asarray(rows @ self.unknowns + constants)
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the levels for given changes of the side conditions' values."""
+        """Changes of the zones' levels for given changes of the side conditions' values.
+        The level of a zone is the constant of (potential + integral of kappa phi - primitive of g)
+        on it.
+        """
         return np.asarray(self.system.levels()[0] @ self.solver(self._right_of(values)))
 
-    # Newton's method for the ends uses the members below.
+    # Newton's method for the positions of the ends uses the properties below.
     @property
     def _table(self) -> Array:
         """Coefficients of the density on each zone (Z, n + 1)."""
@@ -230,7 +237,7 @@ class SecondKindState(Answered):
 
     @cached_property
     def _end_residuals(self) -> Array:
-        """`_residuals` at points next to both ends of each zone (Z, points).
+        """(Left side minus right side) * sin(theta), next to the ends of each zone (Z, points).
 
         There all missing coefficients of the fields of near zones add up.
         """
@@ -254,7 +261,7 @@ class SecondKindState(Answered):
 
     @cached_property
     def _row_errors(self) -> Array:
-        """Error of each row of the system: round-off, and the effect of truncated coefficients.
+        """Error of each row of the linear system, by round-off and by truncated coefficients.
 
         Truncated coefficients act on the rows of other zones as the last kept one does, or less.
         The residual between the nodes and next to the ends, above its round-off, is an error of the
@@ -278,7 +285,9 @@ class SecondKindState(Answered):
 
     @property
     def _level_errors(self) -> Array:
-        """Round-off of the levels in each row of the side conditions.
+        """Round-off of the zones' levels, in each row of the side conditions.
+        The level of a zone is the constant of (potential + integral of kappa phi - primitive of g)
+        on it.
 
         A row may contain differences of levels, which are smaller than the levels themselves. A
         potential next to a strong singularity is a sum of some eight terms.
@@ -295,7 +304,7 @@ class SecondKindState(Answered):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of each zone's density (Z,) due to the errors of all rows.
+        """Error of each zone's density (Z,), due to the errors of all rows of the linear system.
 
         The rows are changed by these errors, with one sign for all rows and with random signs of a
         fixed seed. The largest change of the density is taken. Near an end, a coefficient of order
@@ -325,7 +334,7 @@ class SecondKindState(Answered):
 
     @property
     def noise(self) -> Array:
-        """Round-off of the positions on each zone, relative to its half width (Z,)."""
+        """Round-off of positions x on each zone (Z,), divided by the half width of the zone."""
         rounding = modes.place_rounding(self.density.zones, np.arange(len(self.density.zones)))
         return np.asarray(rounding)
 
@@ -363,7 +372,7 @@ class SecondKindState(Answered):
 
 
 def density_of(system: SecondKindRows, y: Array, is_change: bool = False) -> SecondKindDensity:
-    """The density with the unknowns y; it has no jumps if `is_change`."""
+    """The density with the unknowns y, and with the parts that jumps cause unless `is_change`."""
     layout = system.layout
     amplitudes = y[layout.coefficients :]
     table = widened(layout.padded(y), 2)

@@ -46,7 +46,9 @@ from sie.slits.kinks import SlitKink
 
 @dataclass(frozen=True)
 class SlitOptions:
-    """Widths below which gaps become slits, and limits for the slack (the unknown in a slit)."""
+    """Widths below which gaps become slits, and limits for the unknown functions in slits.
+    A slit is a narrow gap that is treated as part of a wide zone.
+    """
 
     # Gaps narrower than this fraction of the wider adjacent zone may be treated as slits.
     max_gap: float = 0.02
@@ -58,10 +60,10 @@ class SlitOptions:
     # derivative, relative to the narrower adjacent zone. This limit is stricter than `max_gap`,
     # because a spline may have hundreds of such jumps.
     max_gap_with_jumps: float = 0.003
-    # Largest number of modes of the unknown function (slack) in one slit.
+    # Largest number of Chebyshev modes of the unknown function in one slit.
     max_modes: int = 512
-    # The slack (the unknown in a slit) gets at least this many coefficients when its field far from
-    # the wide zone is computed.
+    # The unknown function in a slit gets at least this many coefficients when its field on other
+    # wide zones is computed.
     min_slack_modes: int = 48
     # Largest accepted change of the solution in the last step of the iteration between wide zones
     # and slits, relative to the solution's largest coefficient. A smaller change is added to the
@@ -198,7 +200,8 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
-    """Whether all zones share one constant of the potential, and no condition is for one zone.
+    """Whether all zones share one constant of the potential.
+    There is then no condition for a single zone.
 
     Only with one common level does the slack integrate to zero over each slit. A user's own
     condition may be about single zones, and there are fewer wide zones than given ones.
@@ -276,7 +279,8 @@ class Slit(Kept):
         return self.root(*chebyshev.gauss_sides(self.nodes))
 
     def means(self, values: Array) -> Array:
-        """Means over the slit of a function times Chebyshev's T_l, l = 0 ... modes.
+        """Means, over the slit's Gauss nodes, of a function times Chebyshev's T_l, l = 0 ...
+        modes.
 
         values: values of the function at the slit's Gauss nodes, along the last axis.
 
@@ -289,8 +293,7 @@ class Slit(Kept):
         return np.asarray(chebyshev.t_matrix(self.nodes, len(d)) @ d)
 
     def over(self, d: Array, power: int) -> Array:
-        """Chebyshev series of sum d_l T_l / X^power in the slit's coordinate.
-
+        """Chebyshev series, in the slit's coordinate, of the function (sum d_l T_l) / X^power.
         X = sqrt(1 - t^2), with the coordinate t of the wide zone.
         """
         values = self.at_gauss(d) / self.x_root**power
@@ -300,17 +303,15 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r such that r @ d is the mean, over the wide zone, of the slack's integral.
-
-        The slack is the slit's unknown function, with the series d. The weight of the mean is
-        1 / sqrt(1 - t^2).
+        """Row vector r that gives r @ d, the mean of the integral of the slit's unknown function.
+        d: coefficients of this function (called slack). The mean is over the wide zone, with the
+        weight 1 / sqrt(1 - t^2).
         """
         middle = self.angle(np.ones(1), np.ones(1))
         return self.width * self.means((self.theta - middle) / self.x_root)
 
     def slack_matrix(self, count: int) -> Array:
-        """Matrix from a slit's series d to the slack's coefficients s_k on the wide zone.
-
+        """Matrix from a slit's series d to the sine coefficients s_k of the slack on the wide zone.
         The slack is the unknown function in the slit, and k = 0 ... `count`.
         """
         k = np.arange(count + 1)[:, None]
@@ -318,7 +319,8 @@ class Slit(Kept):
 
 
 def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
-    """Transform (1/pi) int sigma / (t - tau) dtau of a slit's series for sigma, off the slit.
+    """Transform (1/pi) int sigma(tau) / (t - tau) dtau, off the slit, of sigma on a slit.
+    d: Chebyshev series of sigma.
 
     d: series of sigma. excess: |z| - 1 at the points, the distance from the slit in its half
     widths; sign: 1 right of the slit, -1 left of it.
@@ -333,7 +335,7 @@ def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
 def _within(
     jumps: ForcingJumps, zone: int, start: Array, length: Array
 ) -> tuple[Index, ForcingJumps]:
-    """The jumps that lie in the slits of a zone.
+    """The jumps, of the right side or the density, that lie in the slits of a wide zone.
 
     Returns the indices in `jumps` of single jumps, and the jumps at spline knots as jumps.
 
@@ -382,8 +384,8 @@ class Slits(Kept):
                 slit = (float(start[i]), float(rest[i]), float(half[i]) / w)
                 place = (float(within.left[k]), float(within.right[k]), int(within.order[k]))
                 self.kinks.append((i, SlitKink(float(within.height[k]), *slit, *place)))
-        # The function of a slit's series has two singular points outside the slit. They are the far
-        # ends of the given zones on its left and on its right. `before` and `after` are the
+        # The unknown function of a slit has two singular points outside the slit. They are the far
+        # ends of the zones next to it on the left and on the right. `before` and `after` are the
         # distances of the slit from these two points.
         gaps_between = a[1:] - b[:-1]
         before = np.concatenate(([self.start[0]], gaps_between))
@@ -433,7 +435,9 @@ class Slits(Kept):
 
     @cached_property
     def by_coefficients(self) -> Array:
-        """Matrix from coefficients c_k of the smooth density to the right sides for the slits."""
+        """Matrix from the coefficients c_k of the smooth density to the slits' right sides.
+        The smooth density is that on the wide zone without the part that the slits cause.
+        """
         return self._rows(
             lambda slit, left, right: np.cos(
                 slit.angle(left, right)[:, None] * np.arange(self.modes + 1)
@@ -441,7 +445,7 @@ class Slits(Kept):
         )
 
     def of_jumps(self, jumps: ForcingJumps) -> Array:
-        """The part of the right sides of the slits' equations that comes from the jumps.
+        """The part of the right sides of the slits' equations that jumps on the wide zone cause.
 
         A jump in a slit is included together with its slack psi, see `sie.slits.kinks`.
         """
@@ -470,14 +474,14 @@ class Slits(Kept):
 
         out = self._rows(values)[:, 0]
         for i, kink in self.kinks:
-            # The slack (the unknown in a slit) has the integral zero over the slit. Its part psi,
+            # The unknown function in a slit has the integral zero over the slit. A part psi of it,
             # which the jump of `kink` causes, is known. So the integral of psi goes to the right
             # side.
             out[self.offset[i]] -= kink.total
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
-        """For each slit, a row of zeros and then the U_(l-1) coefficients of functions on the slit.
+        """For each slit, a row of zeros, then U_(l-1) coefficients of the functions `values`.
 
         The row of zeros is that of the condition on the integral of the slit's slack.
         """
@@ -500,8 +504,8 @@ class Slits(Kept):
             for j, other in enumerate(self.slits):
                 columns = slice(self.offset[j], self.offset[j + 1])
                 if i == j:
-                    # The slit's first row gives the integral of the slack (its unknown) over the
-                    # slit. The slit's other rows give the coefficients d_l of U_(l-1).
+                    # The slit's first row gives the integral of the slit's unknown function over
+                    # the slit. The other rows give the coefficients d_l of U_(l-1).
                     matrix[self.offset[i], columns] = slit.means(1 / slit.x_root)
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue
@@ -516,7 +520,7 @@ class Slits(Kept):
 
     @cached_property
     def slack_matrix(self) -> Array:
-        """Matrix from the series d of all slits to coefficients s_k of the slack on the wide zone.
+        """Matrix from the series d of all slits to sine coefficients s_k of the slack.
 
         The slack is the unknown function in the slits. k runs from 0 to the larger of `modes` and
         `min_slack_modes`.
@@ -528,9 +532,8 @@ class Slits(Kept):
 
     @cached_property
     def slack_of_kinks(self) -> Array:
-        """Coefficients s_k on the wide zone of psi, the part of the slack due to jumps in slits.
-
-        The slack is the unknown function in the slits.
+        """Sine coefficients s_k of psi, the part of the slack that jumps inside slits cause.
+        The slack is the unknown function in the slits; k: order of the sine on the wide zone.
         """
         count = max(self.modes, OPTIONS.min_slack_modes)
         return np.sum(
@@ -540,13 +543,15 @@ class Slits(Kept):
 
     @property
     def mean_of_kinks(self) -> float:
-        """Mean over the wide zone of the integral of psi (see `slack_of_kinks`)."""
+        """Mean, over the wide zone, of the integral of the known function psi.
+        psi is the part of the unknown function in the slits that jumps inside the slits cause.
+        """
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row r: r @ d is the mean over the wide zone of the integral of the slack.
-
-        The slack is the unknown function in the slits; d: its series coefficients on all slits.
+        """Row vector r that gives r @ d, the mean of the integral of the slits' unknown function.
+        d: coefficients of this function (called slack) on all slits. The mean is over the wide
+        zone.
         """
         return np.concatenate([slit.mean_row for slit in self.slits])

@@ -23,12 +23,13 @@ from sie.jumps.right_side import ForcingJumps
 from sie.states.reasons import reason_of
 from sie.states.sizes import Sizes
 
-# Solver of the equation's system for further right sides, by LU factors or by an iteration.
+# Solver of the linear system for any right side, by LU factors or by an iteration.
 Solver = Factored | Iterative
 
 
 class Answered(Kept):
-    """Common base class of the states on zones without slits and on zones with slits.
+    """Common base class of solutions with and without slits.
+    A slit is a narrow gap that is treated as part of a wide zone.
 
     They follow from `whole`, the state on zones without slits.
     """
@@ -144,12 +145,12 @@ class Solved(Answered):
 
     @property
     def checked_zones(self) -> Index:
-        """Indices of the zones on which the residual is evaluated."""
+        """Indices of the zones on which the residual of the equation is evaluated."""
         return self.density.zones.solved
 
     @property
     def rest(self) -> float:
-        """Last change of an iteration over slits: zero, because the zones have no slits."""
+        """Change in the last step of the iteration between zones and slits: zero, without slits."""
         return 0.0
 
     @property
@@ -158,11 +159,13 @@ class Solved(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone: the mean of (potential - primitive of g)."""
+        """Level of each solved zone: mean over the zone of (potential - primitive of g)."""
         return self.system.level_changes(self.unknowns) + self.system.level_constants
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the `levels` of the solved zones for given changes of condition values."""
+        """Changes of the solved zones' `levels` for given changes of the side conditions' values.
+        The level of a zone is the mean of the potential minus the primitive of g.
+        """
         return self.system.level_changes(self.response_unknowns(values))
 
     @cached_property
@@ -182,12 +185,16 @@ class Solved(Answered):
 
     @property
     def field_tail(self) -> float:
-        """The largest of `tails`, the last coefficients of the other zones' field on each zone."""
+        """Largest last coefficient of the other zones' field, over all zones (see `tails`).
+        It is small if the zones have enough modes.
+        """
         return float(self.tails.max())
 
     @cached_property
     def level_rows(self) -> Array:
-        """Coefficients (rows, solved zones) of the `levels` in the rows of the side conditions."""
+        """Coefficients (rows, solved zones) of the zones' levels in the rows of side conditions.
+        The level of a zone is the mean of the potential minus the primitive of g.
+        """
         zones = self.density.zones
         out = np.zeros((len(self.condition_scale), len(zones.solved)))
         for condition, first in zip(self.equation.conditions, self.condition_index, strict=True):
@@ -197,7 +204,7 @@ class Solved(Answered):
         return out / self.condition_scale[:, None]
 
     def homogeneous(self, y: Array) -> Density:
-        """The density with unknowns y for a zero right side, without jumps."""
+        """The density that the unknowns y describe if the right side is zero and has no jumps."""
         layout, density = self.system.layout, self.density
         return Density(
             density.zones,
@@ -219,7 +226,7 @@ def coefficient_sizes(density: Density, start: int = 0) -> Array:
 
 
 def density_of(system: System, y: Array) -> Density:
-    """The density with the unknowns y, for the right side of the system.
+    """The density with the unknowns y, plus the known parts that the right side causes.
 
     Coefficients up to m come from y; higher ones are minus those of the right side.
     """

@@ -41,7 +41,8 @@ OPTIONS = SolveOptions()
 
 
 class SingularSystem(ArithmeticError):
-    """The assembled system has no unique solution: its side conditions depend on each other.
+    """The linear system has no unique solution.
+    For example, side conditions depend on each other.
 
     Examples
     --------
@@ -153,7 +154,8 @@ def solve_fixed(
 
 
 def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
-    """Numbers of coupled modes for the next solve; None if the present numbers suffice.
+    """Number of modes of each zone for the next solution; None if the present numbers suffice.
+    Counted are modes whose coefficients are unknowns of the linear system for all zones.
 
     Each zone gets its own number, since it would cost too much to give all zones as many as the
     worst one. Last coefficients (tails) below the error of an iteration are no reason for more.
@@ -170,8 +172,8 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     if panels is not None and not any(
         column.resolution.modes is None for column in state.equation.columns
     ):
-        # `panels.modes` modes resolve the kernel's regular part on a zone to round-off. A zone that
-        # has this many modes gets no more.
+        # `panels.modes` is the number of modes that resolve the kernel's regular part on a zone to
+        # round-off. A zone that has this many modes gets no more.
         few &= m < panels.modes(zones.half)
     if not state.equation.grows or not few.any():
         return None
@@ -230,7 +232,7 @@ def _condition(solver: Factored, matrix: Array) -> float:
 
 
 def _even(matrix: Array) -> Array:
-    """The matrix after each row, then each column, is divided by its largest entry.
+    """The matrix, equilibrated: each row, then each column, is divided by its largest entry.
 
     Kernels and columns of very different sizes would otherwise make a regular matrix look singular.
     """
@@ -241,7 +243,7 @@ def _even(matrix: Array) -> Array:
 
 
 def _singular(equation: Equation) -> str:
-    """Message that explains why a system is singular.
+    """Message that explains why the linear system of an equation is singular.
 
     If the kernel has poles alone, only side conditions can make it singular.
     """
@@ -279,7 +281,7 @@ def not_finite(equation: Equation, x: Array) -> str:
 
 
 def _size_of_rows(system: System, terms: Array) -> Array:
-    """Size of each row, as the scale of the row's round-off.
+    """Size of the terms of each row of the linear system; the row's round-off is relative to it.
 
     The rows of the equation come from values at nodes. Each has the round-off of these values,
     however small the row itself is, as in the highest modes. terms: root of the sum of squares of
@@ -378,7 +380,8 @@ def rows_of(state: State) -> Array:
 def _rows(
     equation: Equation, system: System, scale: Array | None = None
 ) -> tuple[Array, Array, Array]:
-    """(matrix with a column for each kept unknown, right sides, scales of the side conditions).
+    """(matrix of the linear system, its right side, scales of the side conditions).
+    The matrix has a column for each unknown that is solved for.
 
     The rows of the side conditions are divided by their scales, so that all are of size one.
     """

@@ -36,13 +36,13 @@ Function = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True)
 class PanelOptions:
-    """Options of the panels of a smooth kernel."""
+    """Options of panels: equal parts of the line, for fast sums of a smooth kernel."""
 
     # Largest number of panels, divided by the number of zones. If the kernel needs more, it is
     # summed directly, unless the table of the matrices of all panels is small.
     panels_per_zone: int = 8
-    # Least number of zones for a skeleton (`sie.trees.skeleton`). A skeleton replaces panels if the
-    # kernel does not depend on x - xi alone.
+    # Least number of zones for a skeleton, that is, interpolation of the kernel from a few source
+    # points. It replaces panels if the kernel does not depend on x - xi alone.
     min_zones_of_skeleton: int = 32
 
 
@@ -84,8 +84,9 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = 0) -> Panels | N
     while True:
         first = 0 if kernel.period is None else math.floor(lo / step)
         count = round(whole / step) if kernel.period is None else math.floor(hi / step) - first + 1
-        # With a period, fields are needed up to half a period from the middle of the zones. `away`
-        # is the largest distance between such a point and a point of the zones.
+        # With a period, the field is needed at points up to half a period from the middle of the
+        # zones. `away` is the largest distance between one of these points and a point of the
+        # zones.
         away = 0.0 if kernel.period is None else 0.5 * (kernel.period + hi - lo)
         farthest = max(count - 1, math.ceil(away / step))
         if farthest >= most:
@@ -126,15 +127,16 @@ class Panels(Kept):
 
         The number suffices both for the field on a zone and for the effect of a zone's density.
         """
-        # The series on a panel decays to round-off within TERMS terms. So the kernel has no
-        # singularity closer to the real line than `reach`.
+        # The kernel's Chebyshev series on a panel decays to round-off within TERMS terms. So the
+        # kernel has no singularity closer to the real line than `reach`.
         reach = 0.5 * self.step * math.sinh(-math.log(SUM_ROUNDING) / TERMS)
         fall = np.arcsinh(reach / half)
         return np.asarray(np.ceil(-math.log(SUM_ROUNDING) / fall), dtype=np.intp) + 2
 
     @cached_property
     def tail(self) -> float:
-        """Largest of the last coefficients in x or xi, relative to the largest coefficient.
+        """Largest last coefficient of the kernel's series on panels, relative to the largest one.
+        The series are Chebyshev series in x and xi.
 
         Neighbouring panels are sampled first, and all others only if these coefficients have
         decayed.
@@ -157,8 +159,8 @@ class Panels(Kept):
         with np.errstate(all="ignore"):  # values may overflow while panels are too long
             for start in range(low, high, SUMS.cache_pairs // TERMS):
                 lags = np.arange(start, min(start + SUMS.cache_pairs // TERMS, high))
-                # The source is panel 0 if d >= 0, and the target is panel 0 if d < 0. So both
-                # panels lie where the kernel is defined.
+                # The source is on panel 0 if the distance d >= 0, and the target is on panel 0 if d
+                # < 0. So both panels lie where the kernel is defined.
                 target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
                 out[lags - low] = self._coefficients(
                     potential, self.place(target) + nodes, self.place(source) + nodes
@@ -166,7 +168,7 @@ class Panels(Kept):
         return out
 
     def place(self, panel: Index) -> Array:
-        """Positions of the middles of panels; panel 0 is the first one."""
+        """Positions x of the middles of panels with the given numbers; panel 0 is the first one."""
         return np.asarray(self.origin + (self.first + panel + 0.5) * self.step)
 
     def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
@@ -200,7 +202,8 @@ class Panels(Kept):
         return self._made(potential, -self.farthest, self.farthest + 1)
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
-        """Series of the field on the panels low to high (panels, TERMS, n), from moments.
+        """Chebyshev series of the field on panels `low` to `high`, from moments of the sources.
+        The shape is (panels, TERMS, n).
 
         The series are a convolution of the matrices K^(d) and the moments, computed by FFT.
         """
@@ -221,8 +224,8 @@ class Panels(Kept):
             lag = np.arange(1 - self.count, wanted)
             kernel = np.zeros((length, TERMS, TERMS))
             kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
-            # One Fourier transform is stored for the kernel and one for its potential, each the
-            # last. Repeated sums over the same zones use the same ones.
+            # Only the last Fourier transform of the kernel is stored, and the last one of its
+            # potential. That is enough for repeated sums over the same zones.
             self._transforms.pop(
                 next((k for k in self._transforms if k[0] == potential), key), None
             )
@@ -239,11 +242,13 @@ class Panels(Kept):
         return self.count * TERMS
 
     def spread(self, x: Array) -> Spread:
-        """The points x, each with the panel that contains it."""
+        """The points x, each with the number of the panel that contains the point."""
         return Spread.of(self, x)
 
     def moments(self, spread: Any, weights: Array) -> Array:
-        """Moments (count TERMS, ...) of sources at points, with the given weights (n, ...)."""
+        """Moments on all panels of sources at n points, which have the given weights (n, ...).
+        The shape is (count * TERMS, ...).
+        """
         shape = weights.shape[1:]
         out = np.zeros((self.count, TERMS, *shape))
         for panel, here in spread.groups:
@@ -251,7 +256,9 @@ class Panels(Kept):
         return out.reshape(self.count * TERMS, *shape)
 
     def at(self, spread: Any, moments: Array, potential: bool) -> Array:
-        """Transform or potential at points (n, ...), from moments (count TERMS, ...)."""
+        """Transform or potential at n points, from the moments of sources on all panels.
+        The moments have the shape (count * TERMS, ...), the result has the shape (n, ...).
+        """
         out = np.empty((len(spread.x), *moments.shape[1:]))
         looked_at = self.first + self.count - 1 - self.farthest, self.first + self.farthest
         near = [
@@ -271,7 +278,9 @@ class Panels(Kept):
         return out
 
     def _far_off(self, x: Array, moments: Array, potential: bool) -> Array:
-        """Transform or potential at points too far away for the tabulated lags, by kernel calls."""
+        """Transform or potential at points too far from the panels for the table of the kernel.
+        The kernel is called directly.
+        """
         function = self.kernel.regular_potential if potential else self.kernel.regular
         assert function is not None
         middles = self.place(np.arange(self.count))

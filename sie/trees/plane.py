@@ -21,17 +21,17 @@ _FAR = 2 * (1 + SEPARATION)
 
 @dataclass(frozen=True)
 class PlaneOptions:
-    """Options of fields in the plane."""
+    """Options for transforms and potentials at complex points x + iy."""
 
     block: int = 1 << 15  # points at once; insensitive: 2^13 to 2^17 take the same time
     # Distance from the middle of all intervals, in periods, up to which the regular part of
     # Hilbert's kernel is a power series. The series converges up to 3/2.
     series_reach: float = 0.9
-    # The coefficients follow from values on a circle of this radius, in periods. At distances
-    # up to `series_reach`, the last terms of the series are round-off.
+    # The coefficients of the power series follow from values on a circle of this radius, in
+    # periods. At distances up to `series_reach`, the last terms of the series are round-off.
     circle: float = 1.2
-    # Number of coefficients, from twice as many values on the circle. (series_reach / circle)^128
-    # is 1e-16, and the aliasing, (circle / 1.5)^256, is far smaller.
+    # Number of coefficients of the power series, from twice as many values on the circle.
+    # (series_reach / circle)^128 is 1e-16, and the aliasing, (circle / 1.5)^256, is far smaller.
     terms: int = 128
 
 
@@ -94,7 +94,8 @@ def fields_of_tree(
 
 @record
 class HilbertRest(Kept):
-    """A density's transform and potential by the regular part of Hilbert's kernel.
+    """The part of a transform or potential that is due to the regular part of Hilbert's kernel.
+    The regular part is the kernel without its three poles at 0 and +-L.
 
     middle: middle of all intervals; parts: nodes within half a period of `middle`, and weights,
     which represent the density.
@@ -116,7 +117,8 @@ class HilbertRest(Kept):
                 total *= scaled
                 total += coefficient
         out[near] = total
-        # The other points have so large an Im z that subtracting the poles loses no digits.
+        # The other points z are far from the real line, so that subtracting the poles from the
+        # whole kernel loses no digits.
         far = regular if what == "potential" else partial(_less_poles, period, what)
         out[~near] = self._summed(far, z[~near])
         return out
@@ -127,7 +129,9 @@ class HilbertRest(Kept):
         return self.kernel.period
 
     def _coefficients(self, what: What) -> list[complex]:
-        """Coefficients of the power series of the field, the highest power first."""
+        """Coefficients of the power series of the field about the middle of all intervals.
+        The highest power is first.
+        """
         if what not in self._kept:
             count = 2 * OPTIONS.terms
             turns = np.arange(count) / count

@@ -27,7 +27,7 @@ from sie.basis.zones import Zones
 
 @dataclass(frozen=True)
 class SkeletonOptions:
-    """Options of the skeleton of a smooth kernel."""
+    """Options of a skeleton, which interpolates a smooth kernel from a few source positions."""
 
     # Largest accepted error of the interpolated kernel at positions not used to build the skeleton,
     # relative to the kernel's largest value.
@@ -36,8 +36,8 @@ class SkeletonOptions:
     # numbers from the third on are also tried as numbers of positions among which the skeleton is
     # chosen.
     sizes: tuple[int, ...] = (24, 48, 96, 192, 384, 768)
-    # The kernel's modes on a zone are counted in either argument. The other argument takes about
-    # this many positions of the skeleton.
+    # The numbers of modes of K(x, xi) on a zone are counted for x at fixed xi and for xi at fixed
+    # x. The fixed argument takes about this many positions of the skeleton.
     sampled_places: int = 8
 
 
@@ -102,7 +102,7 @@ class Skeleton(Kept):
         return out
 
     def spread(self, x: Array) -> Seen:
-        """The points x, and the matrices that link them as sources or targets to the skeleton."""
+        """The points x with the matrices between them and the skeleton, see `Seen`."""
         return Seen(self, x)
 
     def shares(self, xi: Array) -> Array:
@@ -116,16 +116,22 @@ class Skeleton(Kept):
         return np.asarray(linalg.lu_solve(self.factors, rows, check_finite=False).T)
 
     def moments(self, spread: Any, weights: Array) -> Array:
-        """Moments (r, ...) of sources at points, with the given weights (n, ...)."""
+        """Moments (r, ...) of sources at n points with the given weights (n, ...).
+        Moments are weights of equivalent sources at the r source positions of the skeleton.
+        """
         return np.asarray(np.tensordot(spread.as_sources, weights, axes=(0, 0)))
 
     def at(self, spread: Any, moments: Array, potential: bool) -> Array:
-        """Transform or potential at points (n, ...), from moments (r, ...)."""
+        """Transform or potential at n points (n, ...), from moments (r, ...).
+        Moments are weights of sources at the r source positions of the skeleton.
+        """
         return np.asarray(spread.as_targets(potential) @ moments)
 
 
 class Seen:
-    """Points (n,), and the matrices that link them as sources or targets to the skeleton."""
+    """Points x (n,), and matrices between these points and the skeleton.
+    One matrix is for the points as sources, the others are for the points as targets.
+    """
 
     def __init__(self, skeleton: Skeleton, x: Array) -> None:
         self.skeleton, self.x = skeleton, x
@@ -183,8 +189,8 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
             continue
         chosen = table[:, order[:rank]]
         rows = linalg.qr(chosen.T, mode="r", pivoting=True, check_finite=False)[1][:rank]
-        # If the kernel is zero, the chosen rows are singular. Then any factors will do, and those
-        # of the unit matrix are used.
+        # If the kernel is zero, the matrix of the chosen rows is singular. The factors are then
+        # irrelevant, and those of the unit matrix are used.
         factors = linalg.lu_factor(
             chosen[rows] if size[0] > 0.0 else np.eye(rank), check_finite=False
         )
@@ -218,7 +224,7 @@ def _functions(kernel: Kernel) -> list[Any]:
 
 
 def _some(zones: Zones, count: int, shift: int) -> Array:
-    """About `count` positions, spread over the zones; another `shift` gives other positions.
+    """About `count` positions, spread over the zones. Another `shift` gives other positions.
 
     Each zone gets a number of positions in proportion to its width, but at least two. If there are
     very many zones, only some of them are used.
