@@ -79,7 +79,7 @@ def of(profile: Profile, zones: Array | None = None) -> Claims:
     known: dict[tuple[float, float], Claims] = profile.claims_seen
     if interval not in known:
         with np.errstate(all="ignore"):
-            known[interval] = _checked(profile, *interval)
+            known[interval] = _checked(profile, interval, zones)
     claims = known[interval]
     if claims.fault:
         raise SceneError(f"the profile contradicts itself: {claims.fault}", "profile", profile)
@@ -101,14 +101,28 @@ def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | No
     return float(np.floor(first / step) * step), float(np.ceil(last / step) * step)
 
 
-def _checked(profile: Profile, lo: float, hi: float) -> Claims:
+def _checked(profile: Profile, interval: tuple[float, float], zones: Array | None) -> Claims:
+    lo, hi = interval
     panels = _resolved(profile, _Panels.of(profile, *_panels(profile, lo, hi)))
-    mismatch, limit = max(_mismatch(profile, panels), _common_mismatch(profile, panels))
+    # Slopes below this, as on the far flanks of narrow bumps, are zero in any sum with those in
+    # contact.
+    least = EPS * (panels.largest if zones is None else _steepest(profile, zones))
+    mismatch, limit = max(
+        _mismatch(profile, panels, least), _common_mismatch(profile, panels, least)
+    )
     if mismatch > CHECKS.same and not profile.slope_is_derived:
         return Claims(fault=limit)
     fault = _kink_fault(profile, panels) or _symmetry_fault(profile, panels, lo, hi)
     fault = fault or _period_fault(profile, panels) or _summit_fault(profile, panels, lo, hi)
     return Claims(OPTIONS.margin * mismatch, limit, fault)
+
+
+def _steepest(profile: Profile, zones: Array) -> float:
+    """Largest |f'| on the zones."""
+    nodes, _ = np.polynomial.legendre.leggauss(OPTIONS.nodes)
+    at = zones.mean(axis=1)[:, None] + 0.5 * np.diff(zones, axis=1) * nodes
+    slope = np.abs(np.asarray(profile.slope(at.ravel()), dtype=np.float64))
+    return float(slope.max(initial=0.0, where=np.isfinite(slope)))
 
 
 def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
@@ -245,10 +259,11 @@ class _Panels:
         return np.where(np.isfinite(out), out, 0.0)
 
 
-def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
+def _mismatch(profile: Profile, panels: _Panels, least: float) -> tuple[float, str]:
     """Largest relative error of the slope, and a message on it; (0, "") if no error is found.
 
-    An error counts only if it remains when the two worst parts of its panel are left out.
+    An error counts only if it remains when the two worst parts of its panel are left out. least: the
+    smallest slope that counts.
     """
     which = np.flatnonzero(np.abs(panels.difference) > panels.doubt)
     if not len(which):
@@ -271,7 +286,8 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     # panel and its neighbours, times the panel's length: errors of tiny slopes do not count. Slopes
     # far away do not matter either, as they may be much larger than those in the zones.
     steepest = _with_neighbours(panels.steepest).max(axis=1)
-    size = np.maximum(size, CHECKS.same * (steepest * (panels.b - panels.a))[which])
+    steepest = np.maximum(CHECKS.same * steepest, least)
+    size = np.maximum(size, (steepest * (panels.b - panels.a))[which])
     relative = np.where(seen, np.abs(difference) / size, 0.0)
     worst = int(np.argmax(relative))
     if not relative[worst] > 0.0:
@@ -284,7 +300,7 @@ def _mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     )
 
 
-def _common_mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
+def _common_mismatch(profile: Profile, panels: _Panels, least: float) -> tuple[float, str]:
     """Relative error of the slope that is the same on all panels, and a message; else (0, "").
 
     Many panels together show a false factor that the rounding of heights hides on each of them. The
@@ -292,7 +308,9 @@ def _common_mismatch(profile: Profile, panels: _Panels) -> tuple[float, str]:
     the median factor by more than their own error are left out: they may have a corner.
     """
     rise, weight = panels.integral, 1 / (panels.rounding + panels.quadrature) ** 2
-    usable = np.isfinite(weight * rise**2) & (rise != 0.0)
+    # A panel whose integral is not above its error, as on the flank of a narrow bump, tells nothing.
+    known = np.maximum(panels.doubt, least * (panels.b - panels.a))
+    usable = np.isfinite(weight * rise**2) & (np.abs(rise) > known)
     if not usable.any():
         return 0.0, ""
     median = np.median(panels.difference[usable] / rise[usable])

@@ -566,3 +566,23 @@ def test_the_error_of_a_series_covers_a_faint_corner_that_nobody_declares(jump):
         )
         transform = Conjugate(shape(noisy))
         assert np.abs(transform(x) - known).max() <= transform.error + 1e-14
+
+
+def test_narrow_bumps_far_apart_do_not_contradict_themselves():
+    """No panel resolves them, and their flanks have heights of any smallness."""
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        width, count = 10 ** rng.uniform(-8, -4), int(rng.integers(1, 7))
+        places = 1e-4 * np.arange(count) + 3e-5 * rng.uniform(-1, 1, count)
+
+        def height(x, places=places, width=width):
+            away = np.subtract.outer(places, x) / width
+            return -width * np.exp(-0.5 * away**2).sum(axis=0)
+
+        def slope(x, places=places, width=width):
+            away = np.subtract.outer(places, x) / width
+            return -(away * np.exp(-0.5 * away**2)).sum(axis=0)
+
+        for part in (0.01, 0.3, 3.0):
+            zones = np.stack((places - part * width, places + part * width), axis=1)
+            assert claims.of(own(height, slope), zones).error < 1e-9
