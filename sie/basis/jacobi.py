@@ -40,19 +40,19 @@ Number = NDArray[Any]
 
 @dataclass(frozen=True)
 class SweepOptions:
-    """Directions and lengths of the recurrences for transforms off the interval.
+    """Options of the recurrences over n that give transforms at points off the interval.
 
     The transforms F_n of the two families are their recurrences' minimal solutions. They decay as
     rho^n while all other solutions grow as rho^(-n) (W. Gautschi, SIAM Review 9, 1967, 24-82).
     """
 
-    # The recurrence runs towards larger n as long as rho^(-n), the growth of round-off, is below
-    # this factor. Half this value halves the largest errors, but makes the longest downward
-    # recurrence a third longer.
+    # The recurrence for the transforms runs towards larger n as long as round-off grows by less
+    # than this factor. Half this value halves the largest errors, but makes the longest recurrence
+    # towards smaller n a third longer.
     max_growth: float = 10.0
-    # Up to this number of points, one downward recurrence serves all points. More points are
-    # divided into groups with similar numbers of steps. One step has an overhead as large as the
-    # cost of some hundred points.
+    # Up to this number of points, one recurrence towards smaller n serves all points. More points
+    # are divided into groups whose recurrences have similar numbers of steps. The overhead of one
+    # step is as large as its cost for some hundred points.
     min_grouped: int = 200
 
 
@@ -61,7 +61,9 @@ OPTIONS = SweepOptions()
 
 @dataclass(frozen=True)
 class Family:
-    """The polynomials p_n or q_n of the head of this file, for one alpha.
+    """The Jacobi polynomials p_n, or q_n if `bounded` is true, for one exponent alpha.
+    They are orthogonal on (-1, 1), the p_n with the weight w = (1 - t)^(alpha - 1) (1 +
+    t)^(-alpha), the q_n with (1 - t^2) w. The head of this file has their normalisation.
 
     alpha, rest: alpha and 1 - alpha, each without cancellation, real or complex. bounded: whether
     the polynomials are the q_n.
@@ -77,32 +79,37 @@ class Family:
         return isinstance(self.alpha, complex)
 
     def numbers(self, *others: Number) -> Any:
-        """The type of numbers, real or complex, of the polynomials times the given arrays."""
+        """The NumPy type, real or complex, of products of the polynomials with the given arrays."""
         return np.result_type(np.asarray(self.alpha), *others)
 
     @property
     def mirrored(self) -> "Family":
-        """The family whose member n at t is (-1)^n times this family's member at -t."""
+        """The family whose polynomial n at t is (-1)^n times this family's polynomial n at -t."""
         return Family(self.rest, self.alpha, self.bounded)
 
     def recurrence(self, count: int) -> tuple[Array, Array]:
-        """(a_n, b_n), n < `count`, of the recurrence at the head of this file; b_0 is zero."""
+        """Coefficients (a_n, b_n), n < `count`, of the three-term recurrence of the polynomials.
+        It is t p_n = b_(n+1) p_(n+1) + a_n p_n + b_n p_(n-1). b_0 is zero. The head of this file
+        has the exception for n = 0.
+        """
         return _recurrence(self, count, self.is_complex)
 
     def at_one(self, count: int) -> Array:
-        """Values at t = 1 of the members n = 0 ... count - 1."""
+        """Values of the polynomials n = 0 ... count - 1 at the right end t = 1."""
         return _at_one(self, count, self.is_complex)
 
     def at_minus_one(self, count: int) -> Array:
-        """Values at t = -1 of the members n = 0 ... count - 1."""
+        """Values of the polynomials n = 0 ... count - 1 at the left end t = -1."""
         return np.asarray(self.mirrored.at_one(count) * (1.0 - 2.0 * (np.arange(count) % 2)))
 
     def steps(self, count: int) -> tuple[Array, Array]:
-        """(up_n, down_n), n < `count`, of the recurrence for f_n at the head of this file."""
+        """Coefficients (up_n, down_n), n < `count`, of the recurrence for f_n = p_n / p_n(1).
+        The recurrence is up_n (f_(n+1) - f_n) = down_n (f_n - f_(n-1)) - (1 - t) f_n.
+        """
         return _steps(self, count, self.is_complex)
 
     def sums(self, c: Array, left: Any, right: Any) -> Array:
-        """Series sum_n c_n p_n(t) at points given by left = 1 + t and right = 1 - t.
+        """Sum of c_n p_n(t) over the polynomials p_n of the family; left is 1 + t, right is 1 - t.
 
         c: the coefficients along the last axis; other axes come first in the result.
         """
@@ -114,7 +121,9 @@ class Family:
         return out
 
     def table(self, count: int, left: Any, right: Any) -> Array:
-        """Values of the members n = 0 ... count - 1 at the given points, along a new last axis."""
+        """Values of the polynomials n = 0 ... count - 1 at given points, along a new last axis.
+        left, right: 1 + t and 1 - t of the points.
+        """
         left, right = np.broadcast_arrays(np.asarray(left, float), np.asarray(right, float))
         out = np.zeros((*right.shape, count), dtype=self.numbers())
         for family, sign, distance, here in self._halves(left, right):
@@ -125,7 +134,10 @@ class Family:
     def _halves(
         self, left: Array, right: Array
     ) -> Iterator[tuple["Family", float, Array, NDArray[np.bool_]]]:
-        """Yield (family, sign, distance from its end t = 1, mask) for each half of the interval."""
+        """Yield (family, sign, distances 1 - t, mask) for the points of each half of the interval.
+        For the left half the family is mirrored, so that the nearer end is always t = 1. The
+        polynomial n of the mirrored family has the additional factor sign^n.
+        """
         beyond = right <= left
         for family, sign, distance, here in (
             (self, 1.0, right, beyond),
@@ -184,7 +196,7 @@ def _steps(family: Family, count: int, _: bool) -> tuple[Array, Array]:
 
 
 def _sum_from_end(family: Family, c: Array, distance: Array) -> Array:
-    """Series sum_n c_n f_n, f_n = p_n / p_n(1), at the given distances 1 - t."""
+    """Sum of c_n f_n at distances 1 - t, with f_n = p_n / p_n(1) and the polynomials p_n."""
     up, down = family.steps(c.shape[-1])
     value, change = np.zeros((2, *c.shape[:-1], *distance.shape), dtype=family.numbers(c))
     for n in range(c.shape[-1] - 1, -1, -1):
@@ -195,7 +207,9 @@ def _sum_from_end(family: Family, c: Array, distance: Array) -> Array:
 
 
 def _table_from_end(family: Family, count: int, distance: Array) -> Array:
-    """Values f_n = p_n / p_n(1), n = 0 ... count - 1, at the distances 1 - t; new last axis."""
+    """Values of f_n = p_n / p_n(1), the polynomials p_n scaled to the value 1 at t = 1.
+    The values for n = 0 ... count - 1 are along a new last axis. distance: 1 - t of each point.
+    """
     up, down = family.steps(count)
     rows = np.ones((count, *distance.shape), dtype=family.numbers())
     change = np.zeros_like(rows[0])
@@ -205,11 +219,14 @@ def _table_from_end(family: Family, count: int, distance: Array) -> Array:
     return np.moveaxis(rows, 0, -1)
 
 
-# The functions below give the transforms F_n of a family. F_n is the transform of p_n w, or of
-# q_n (1 - t^2) w, divided by pi. A point zeta in the right half plane is given by less = zeta - 1
-# and left = zeta + 1. The recurrence is that of f_n = F_n / p_n(1).
+# The functions below give the transforms F_n(zeta) = (1/pi) int phi(t) / (zeta - t) dt of a family.
+# phi is p_n w, or q_n (1 - t^2) w for the bounded family, with the weight w. A point zeta in the
+# right half plane is given by less = zeta - 1 and left = zeta + 1. The recurrences are for F_n
+# divided by the value of the polynomial n at t = 1.
 def log_ratio(less: Number, left: Number) -> Number:
-    """log((zeta - 1) / (zeta + 1)), with all digits near both ends and far away."""
+    """log((zeta - 1) / (zeta + 1)), accurate near zeta = -1 and zeta = 1, and for large |zeta|.
+    less and left are zeta - 1 and zeta + 1.
+    """
     near = np.minimum(np.abs(less), np.abs(left)) < 2.0
     parts = (x[near] if np.iscomplexobj(x) else np.abs(x[near]) for x in (less, left))
     above, below = (np.log(part) for part in parts)
@@ -220,7 +237,9 @@ def log_ratio(less: Number, left: Number) -> Number:
 
 
 def transform_table(family: Family, count: int, less: Number, left: Number) -> Number:
-    """The transforms F_n of the members n = 0 ... count - 1 at points (P,), as (P, count)."""
+    """Transforms of the family's polynomials n = 0 ... count - 1 times their weight, (P, count).
+    less, left: zeta - 1 and zeta + 1 of the P points zeta, which lie in the right half plane.
+    """
     out = np.empty((count, len(less)), dtype=family.numbers(less))
     for here, last in _directions(count, less, left, all_terms=True):
         if last == 0:
@@ -237,7 +256,10 @@ def transform_table(family: Family, count: int, less: Number, left: Number) -> N
 
 
 def transform_sum(family: Family, c: Array, less: Number, left: Number) -> Number:
-    """The sum of c_n F_n at points (P,)."""
+    """The sum of c_n F_n at points (P,).
+    F_n is the transform of the polynomial n of the family times its weight. less, left: zeta - 1
+    and zeta + 1 of the points zeta.
+    """
     out = np.zeros(len(less), dtype=family.numbers(less, c))
     if len(c) == 0:
         return out
@@ -260,7 +282,9 @@ def transform_sum(family: Family, c: Array, less: Number, left: Number) -> Numbe
 def _directions(
     count: int, less: Number, left: Number, all_terms: bool
 ) -> Iterator[tuple[Index, int]]:
-    """Yield (indices of points, first n of the downward recurrence, or 0 for the upward one).
+    """Yield groups of points, each with the direction of the recurrence for the transforms.
+    A group is (indices of its points, the n at which the recurrence towards smaller n starts). This
+    n is 0 if the recurrence runs towards larger n.
 
     An error of the first ratio, at n = N, changes F_n by rho^(2 (N - n)) F_n. N is so large that
     this is round-off of F_0 for all n below `count`. Without `all_terms`, terms below round-off of
@@ -282,7 +306,10 @@ def _directions(
 
 
 def _upward(family: Family, count: int, less: Number, left: Number) -> Iterator[Number]:
-    """Yield f_0, f_1, ..., f_(count - 1) at points that are close to the interval."""
+    """Yield the scaled transforms f_n, n = 0 ... count - 1, at points close to (-1, 1).
+    f_n is the transform F_n of the polynomial n times its weight, divided by the polynomial's value
+    at t = 1. The recurrence runs towards larger n.
+    """
     up, down = family.steps(count)
     alpha, power = family.alpha, np.expm1(family.alpha * log_ratio(less, left))
     if family.bounded:
@@ -301,7 +328,7 @@ def _upward(family: Family, count: int, less: Number, left: Number) -> Iterator[
 def _downward(
     family: Family, last: int, less: Number, left: Number
 ) -> Iterator[tuple[int, Number]]:
-    """Yield (n, f_n / f_(n-1) - 1) for n from `last` down to 1.
+    """Yield (n, f_n / f_(n-1) - 1) for n from `last` down to 1, with the scaled transforms f_n.
 
     f_n is the transform F_n divided by the value p_n(1) or q_n(1) of its polynomial.
 
@@ -319,7 +346,10 @@ def _downward(
 
 
 def _first(family: Family, change: Number, less: Number, left: Number) -> Number:
-    """The value f_0, from which `_downward` gives all f_n; change: f_1 / f_0 - 1."""
+    """The first scaled transform f_0, from which the ratios of `_downward` give all f_n.
+    f_n is the transform of the polynomial n times its weight, divided by the polynomial's value at
+    t = 1. change: f_1 / f_0 - 1.
+    """
     if family.bounded:
         return 2 * family.alpha * family.rest / (less - family.steps(1)[0][0] * change)
     return np.asarray(less ** (family.alpha - 1) * left**-family.alpha)

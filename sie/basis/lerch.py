@@ -23,8 +23,8 @@ Number = NDArray[Any]
 class LerchOptions:
     """Numbers of terms and of quadrature nodes that leave only round-off in `lerch`."""
 
-    # Number of terms of the power series in x and in 1 - x. They are used where |x| or |1 - x| is
-    # at most 1/2, so that the omitted terms are below round-off.
+    # Number of terms of the power series of Lerch's function in x and in 1 - x. They are used where
+    # |x| or |1 - x| is at most 1/2, so that the omitted terms are below round-off.
     terms: int = 56
     # Number of Gauss-Legendre nodes in `_by_ray`, which integrates over log y on a path no longer
     # than log 2. The pole y = 1 of the integrand is at least 0.5 from this path, so that the error
@@ -102,16 +102,19 @@ def _complex_share(a: complex, x: Array, rest: Array) -> Number:
 
 
 def near_one(a: complex, from_one: Number) -> Number:
-    """The sum of (1 - a)_k / (k! k) (1 - x)^(k - 1), k = 1, 2, ..., for |1 - x| <= 1/2.
+    """The regular part of Lerch's function `lerch` near x = 1, as a series for |1 - x| <= 1/2.
+    It is the sum of (1 - a)_k / (k! k) (1 - x)^(k - 1) over k = 1, 2, ..., with the rising
+    factorial (1 - a)_k.
 
-    It is the regular part of `lerch` near x = 1: x^a times `lerch` is a constant, minus log(1 - x),
-    minus (1 - x) times this sum.
+    x^a times `lerch` is a constant, minus log(1 - x), minus (1 - x) times this sum.
     """
     return _polynomial(_beside(a), from_one)
 
 
 def _by_ray(a: complex, x: Number) -> Number:
-    """The sum `lerch`, from its value at x / (2 |x|) and the integral along the ray to x."""
+    """Lerch's function at x, by integration along a ray from its value at x / (2 |x|).
+    It is the sum of x^n / (n + a), here for 1/2 < |x| <= 1.
+    """
     nodes, weights = _legendre(OPTIONS.nodes)
     length = np.log(2 * np.abs(x))
     start = _polynomial(_powers(a), 0.5 * x / np.abs(x)) * np.exp(-a * length)
@@ -123,12 +126,12 @@ def _by_ray(a: complex, x: Number) -> Number:
 
 @lru_cache(maxsize=256, typed=True)
 def _powers(a: complex) -> Number:
-    """Coefficients 1 / (k + a) of the powers x^k, k = 0, 1, ..."""
+    """Coefficients 1 / (k + a) of the powers x^k, k = 0, 1, ..., in Lerch's function."""
     return np.asarray(1 / (np.arange(OPTIONS.terms) + a))
 
 
 def _constant(a: complex) -> complex:
-    """The limit of the sum `lerch` at x, plus log(1 - x), as x tends to 1."""
+    """The limit of Lerch's sum of x^n / (n + a), plus log(1 - x), as x tends to 1."""
     return -complex_or_real(special.digamma(a)) - float(np.euler_gamma)
 
 
@@ -139,7 +142,9 @@ def complex_or_real(value: Any) -> Any:
 
 @lru_cache(maxsize=256, typed=True)
 def _beside(a: complex) -> Number:
-    """Coefficients (1 - a)_k / (k! k) of the powers (1 - x)^(k - 1), k = 1, 2, ..."""
+    """Coefficients (1 - a)_k / (k! k) of (1 - x)^(k - 1), k = 1, 2, ..., in `near_one`.
+    (1 - a)_k is the rising factorial.
+    """
     k = np.arange(1.0, OPTIONS.terms)
     return np.asarray(np.cumprod((k - a) / k) / k)
 
@@ -159,10 +164,11 @@ def _polynomial(c: Number, x: Number) -> Number:
 
 
 def value_transform(alpha: complex, rest: complex, left: Number, less: Number) -> Number:
-    """-1/pi int_u^1 (1 - v^(alpha - 1)) / (1 - v) dv, u = (zeta - 1) / (zeta + 1).
+    """Transform at zeta of the density that is 1 at the left end of (-1, 1), 0 at the right end.
+    It is -1/pi int_u^1 (1 - v^(alpha - 1)) / (1 - v) dv with u = (zeta - 1) / (zeta + 1).
 
-    It is a transform (see `sie.basis.value_mode`). rest: 1 - alpha; left, less: zeta + 1 and
-    zeta - 1, real or in the closed upper half plane.
+    See `sie.basis.value_mode`. rest: 1 - alpha; left, less: zeta + 1 and zeta - 1, real or in the
+    closed upper half plane.
     """
     out = np.empty(less.shape, dtype=np.result_type(less, np.asarray(alpha)))
     logarithm = log_ratio(less, left)

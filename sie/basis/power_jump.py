@@ -54,21 +54,27 @@ Number = NDArray[Any]
 
 @dataclass(frozen=True)
 class JumpOptions:
-    """Distance at which the transform changes from its closed form to a sum over moments."""
+    """Distance from the interval up to which the transform of a jump is a closed form.
+    At points farther away, the transform is a sum over Chebyshev moments.
+    """
 
-    # |rho| below which a transform is a sum over Chebyshev moments. For larger |rho|, the closed
-    # form loses less than a digit. Insensitive: 0.2 to 0.5.
+    # Where |rho| is below this value, a transform is a sum over Chebyshev moments; rho is zeta -
+    # sqrt(zeta^2 - 1) of the point zeta. For larger |rho|, the closed form loses less than a digit.
+    # Insensitive: 0.2 to 0.5.
     far: float = 0.35
 
 
 OPTIONS = JumpOptions()
-# Number of moments that a transform needs where |rho| is `far` or less.
+# Number of Chebyshev moments that a transform needs at points where |rho| is at most `far`. rho is
+# zeta - sqrt(zeta^2 - 1) of the point zeta.
 FAR_TERMS = int(np.ceil(-DIGITS / np.log(OPTIONS.far)))
 
 
 @dataclass(frozen=True, eq=False)
 class PowerJump(Kept):
-    """The densities (t - s)^k J_s of jumps (k = 0), kinks (k = 1), ... at places s.
+    """Densities whose right side has a jump (k = 0), a kink (k = 1), ... at positions s.
+    The density is (t - s)^k J_s. J_s is the closed-form solution of kappa phi + T phi = g for a
+    unit step g at s, up to a constant in g.
 
     The module's docstring has the formulas. All methods broadcast points against the places, and
     `order` is k. Intensities at the ends are zero.
@@ -99,12 +105,14 @@ class PowerJump(Kept):
 
     @cached_property
     def total(self) -> Array:
-        """Integral of J_s: sin(pi alpha) (1 - s)^(1 - alpha) (1 + s)^alpha."""
+        """Integral of a jump's density J_s: sin(pi alpha) (1 - s)^(1 - alpha) (1 + s)^alpha."""
         return self.weighted.mirrored.bounded_weight(self.left, self.right)
 
     @cached_property
     def levels(self) -> tuple[Array, Array]:
-        """(kappa + T) J_s to the left and to the right of s: -h and 1 - h, each with all digits.
+        """Values of (kappa + T) J_s to the left and to the right of s; both are constants.
+        J_s is the density of a unit jump of the right side at s, T the transform. The values are -h
+        and 1 - h, each with all digits.
 
         The module's docstring defines h.
         """
@@ -112,12 +120,16 @@ class PowerJump(Kept):
         return -beta_share(w.rest, w.alpha, right, left), beta_share(w.alpha, w.rest, left, right)
 
     def own(self, away: Any, order: int = 0) -> Array:
-        """(kappa + T) (t - s)^`order` J_s on the interval; away: t - s."""
+        """Right side (kappa + T) phi of the density phi = (t - s)^k J_s of a jump at s.
+        The points are on the interval; k is `order`, T the transform, and `away` is t - s.
+        """
         away, (before, beyond) = np.asarray(away, dtype=float), self.levels
         return _multiplied(np.where(away > 0, beyond, before), away, self.powers(order))
 
     def density(self, left: Any, right: Any, away: Any, order: int = 0) -> Array:
-        """(t - s)^`order` J_s on the interval; left, right, away: 1 + t, 1 - t and t - s."""
+        """Density (t - s)^k J_s of a jump at s, at points t on the interval; k is `order`.
+        left, right, away: 1 + t, 1 - t and t - s.
+        """
         w = self.weighted
         left, right, away, at_left, at_right = np.broadcast_arrays(
             *(np.asarray(x, dtype=float) for x in (left, right, away, self.left, self.right))
@@ -133,7 +145,7 @@ class PowerJump(Kept):
         return np.asarray(np.where(away == 0, 0.0, out) * away**order if order else out)
 
     def integral_to(self, left: Any, right: Any, away: Any, order: int = 0) -> Array:
-        """Integral of (t - s)^`order` J_s from -1 to t.
+        """Integral from -1 to t of (t - s)^k J_s, the density of a jump at s; k is `order`.
 
         By parts, as (t - s) J_s' is -total / pi times the weight w.
         """
@@ -148,7 +160,10 @@ class PowerJump(Kept):
         )
 
     def by_parts(self, order: int = 0) -> Array:
-        """Coefficients in S_n of (total / pi) (t - s)^order w, along a new first axis."""
+        """Coefficients of (total / pi) (t - s)^order w in the densities w p_n, in a new first axis.
+        w is the weight, p_n are Jacobi polynomials, and `total` is the integral of the density of a
+        jump at s. Integration by parts of this density leads to the product.
+        """
         out: Array = np.asarray(0.0)
         for c, factor in zip(
             _monomials(self.weighted, order + 1), self._binomial(order), strict=True
@@ -157,11 +172,15 @@ class PowerJump(Kept):
         return out
 
     def powers(self, count: int) -> list[Array]:
-        """Integrals of (t - s)^j J_s, j = 0 ... count - 1."""
+        """Integrals over (-1, 1) of (t - s)^j J_s, j = 0 ... count - 1.
+        J_s is the density of a jump of the right side at s.
+        """
         return [self.total * moment / (j + 1) for j, moment in enumerate(self._weights(count))]
 
     def _weights(self, count: int) -> list[Array]:
-        """Integrals of (t - s)^j w by t, divided by pi, with the weight w, for j < `count`."""
+        """Integrals of (t - s)^j w(t) over (-1, 1), divided by pi, for j < `count`.
+        w is the weight, s the position of a jump.
+        """
         by_t = _monomials(self.weighted, count)[:, 0]
         return [
             np.asarray(sum(m * f for m, f in zip(by_t[: j + 1], self._binomial(j), strict=True)))
@@ -174,10 +193,9 @@ class PowerJump(Kept):
         return [math.comb(order, j) * (-place) ** (order - j) for j in range(order + 1)]
 
     def edge_slopes(self, order: int = 0) -> tuple[Array, Array]:
-        """Edge slopes A of (t - s)^k J_s, k = `order`, at the left and the right end.
-
-        The half width is 1. At a small distance d the density is A d^gamma, with gamma = 1 - alpha
-        at the left end and alpha at the right one.
+        """Edge slopes A of the densities at the left and the right end, for the half width 1.
+        At a small distance d from an end, the density (t - s)^k J_s of a jump at s is A d^gamma.
+        The exponent gamma is 1 - alpha at the left end and alpha at the right end; k is `order`.
         """
         w = self.weighted
         scale = w.sine**2 / np.pi
@@ -186,7 +204,8 @@ class PowerJump(Kept):
         return (-self.left) ** order * at_left, self.right**order * at_right
 
     def moments(self, length: int, order: int = 0) -> Array:
-        """Chebyshev coefficients (2 - delta_l0) / pi int (t - s)^k J_s T_l dt, l < `length`.
+        """Chebyshev moments (2 - delta_l0) / pi int phi T_l dt, l < `length`, of the densities phi.
+        phi = (t - s)^k J_s is the density of a jump (k = 0) or a kink (k = 1) at s; k is `order`.
 
         They are along a new last axis, and those of `JacobiFunctions.moments`.
         """
@@ -202,7 +221,9 @@ class PowerJump(Kept):
         return np.asarray(means / np.pi)
 
     def _means(self, length: int) -> Array:
-        """Integrals of J_s T_l over the interval, for places (P,) in the right half: (P, length).
+        """Integrals of J_s T_l over (-1, 1), l < `length`, as an array (number of jumps, length).
+        J_s is the density of a jump at s, T_l a Chebyshev polynomial. All positions s are in the
+        right half of the interval.
 
         The integrals n_l of -J_s' T_l obey (n_(l+1) + n_(l-1)) / 2 - s n_l = total / pi int w T_l.
         The recurrence for differences of n_l uses 1 - s instead of s.
@@ -223,18 +244,23 @@ class PowerJump(Kept):
         return out.T
 
     def transform(self, points: Points, away: Number | None = None, order: int = 0) -> Number:
-        """Transform F of (t - s)^k J_s.
+        """Transform of the density (t - s)^k J_s at points zeta off the interval; k is `order`.
+        It is the density of a jump of the right side (k = 0), or of its derivatives, at s.
 
         away: zeta - s. It is needed where a point is closer to s than to both ends.
         """
         return self._near_and_far(points, away, (order, 0))
 
     def slope(self, points: Points, away: Number | None = None, order: int = 0) -> Number:
-        """Derivative by zeta of `transform`."""
+        """Derivative of `transform` by zeta, the coordinate of the points.
+        `transform` is that of the density (t - s)^order J_s of a jump at s.
+        """
         return self._near_and_far(points, away, (order, 1))
 
     def _near_and_far(self, points: Points, away: Number | None, what: tuple[int, int]) -> Number:
-        """Transform or slope, by closed forms or, far away where they cancel, by moments.
+        """Transform of the jumps' densities, or its derivative by the points' coordinate zeta.
+        Near the interval, closed forms are used. Far from the interval their terms cancel, and a
+        sum over Chebyshev moments is used instead.
 
         what: (order, 1 for the slope and 0 for the transform).
         """
@@ -255,22 +281,26 @@ class PowerJump(Kept):
     def _by_moments(
         self, which: NDArray[np.intp], left: Number, less: Number, what: tuple[int, int]
     ) -> Number:
-        """Transform sum m_l rho^l / sqrt(zeta^2 - 1) far away, or its derivative by zeta."""
+        """Transform of the jumps' densities at points far from the interval, or its derivative.
+        The transform is sum m_l rho^l / sqrt(zeta^2 - 1), with the Chebyshev moments m_l of the
+        densities and rho = zeta - sqrt(zeta^2 - 1).
+        """
         table = self.moments(FAR_TERMS, what[0]).reshape(-1, FAR_TERMS)[which].T
         return series_slope(table, left, less) if what[1] else series(table, left, less)
 
     def _near(
         self, which: NDArray[np.intp], point: tuple[Number, Number, Number], order: int
     ) -> Number:
-        """Transform at pairs (P,) of a point zeta and a place s, in closed form.
+        """Transform of (t - s)^order J_s at pairs of a point zeta and a jump at s, in closed form.
 
         point: zeta + 1, zeta - 1 and zeta - s of each pair. which: the index of its place s.
         """
         out = np.empty_like(point[1])
         at_left, at_right = np.ravel(self.left), np.ravel(self.right)
         before, beyond = (np.ravel(level) for level in self.levels)
-        # The constant term is the level of smaller magnitude, `before` or `beyond`. So a small
-        # transform loses no digits.
+        # The transform is a constant plus or minus `_share`. The constant may be the value of
+        # (kappa + T) J_s to the left of s (`before`) or to the right of s (`beyond`). The constant
+        # of smaller magnitude is used, so that a small transform loses no digits.
         kept = (-before <= beyond)[which]
         at, pair = which[kept], tuple(x[kept] for x in point)
         out[kept] = before[at] + _share(self.weighted, at_left[at], at_right[at], pair)
@@ -283,14 +313,17 @@ class PowerJump(Kept):
     def _near_slope(
         self, which: NDArray[np.intp], point: tuple[Number, Number, Number], order: int
     ) -> Number:
-        """Slope of the transform at pairs (P,) in closed form; arguments as for `_near`."""
+        """Derivative of the transform by zeta at pairs of a point zeta and a jump, in closed form.
+        The arguments are those of `_near`.
+        """
         left, less, away = point
         points = InPlane(left, less) if np.iscomplexobj(less) else OnLine.of(left, -less)
         weight, scale = self.weighted.transform_of(np.ones(1), points), np.ravel(self.total) / np.pi
         if order == 0:
             return np.asarray(-scale[which] * weight / away)
-        # With k = `order` and the weight w, the derivative of the density (t - s)^k J_s is
-        # k (t - s)^(k - 1) J_s - (total / pi) (t - s)^(k - 1) w (head of this module).
+        # With k = `order`, the derivative by t of the density (t - s)^k J_s is k (t - s)^(k - 1)
+        # J_s - (total / pi) (t - s)^(k - 1) w. J_s is the density of a jump at s, `total` the
+        # integral of J_s, and w the weight.
         weights = [np.pi * np.ravel(moment)[which] for moment in self._weights(order - 1)]
         by_weight = _multiplied(weight, away, weights)
         return np.asarray(order * self._near(which, point, order - 1) - scale[which] * by_weight)
@@ -298,7 +331,9 @@ class PowerJump(Kept):
     def _halves(
         self, kept: NDArray[np.bool_]
     ) -> Iterator[tuple[NDArray[np.bool_], float, "PowerJump"]]:
-        """Yield (mask, 1, places that are kept) and (mask, -1, mirror images of the others)."""
+        """Yield the jumps where `kept` is true, and the mirror images of the other jumps.
+        Each item is (mask of the jumps, 1 or -1 for mirror images, densities of the jumps).
+        """
         if kept.any():
             yield kept, 1.0, PowerJump(self.weighted, self.left[kept], self.right[kept])
         if not kept.all():
@@ -312,7 +347,9 @@ class PowerJump(Kept):
 def _share(
     w: JacobiFunctions, at_left: Array, at_right: Array, point: tuple[Number, ...]
 ) -> Number:
-    """sin(pi alpha) / pi int_0^(-u) y^(-alpha) / (1 + y) dy at pairs (P,); see the docstring above.
+    """The transform of J_s plus a constant, at pairs of a point zeta and a jump position s.
+    J_s is the density of a jump of the right side at s. The value is sin(pi alpha) / pi times the
+    integral of y^(-alpha) / (1 + y) from 0 to (zeta + 1) (1 - s) / ((zeta - 1) (1 + s)).
 
     at_left, at_right: 1 + s and 1 - s; point: zeta + 1, zeta - 1 and zeta - s. On the line off the
     interval, the result is between 0 and 1.
@@ -334,14 +371,16 @@ def _share(
 
 
 def _multiplied(transform: Number, away: Number, powers: list[Array]) -> Number:
-    """Transform of (t - s)^k f from that of f, zeta - s and the integrals of (t - s)^j f, j < k."""
+    """Transform of (t - s)^k f from the transform of f, with k the length of `powers`.
+    away: zeta - s. powers: the integrals of (t - s)^j f, j < k.
+    """
     for power in powers:
         transform = transform * away - power / np.pi
     return transform
 
 
 def _monomials(weighted: JacobiFunctions, count: int) -> Array:
-    """Coefficients of t^j in p_n: the rows j = 0 ... count - 1 of a matrix."""
+    """Matrix whose row j has the coefficients of t^j in the Jacobi polynomials p_n, j < `count`."""
     a, b = weighted.recurrence(count + 1)
     out = np.zeros((count, count + 1))
     out[:1, 0] = 1.0
@@ -355,7 +394,9 @@ def _monomials(weighted: JacobiFunctions, count: int) -> Array:
 
 
 def rho_of(left: Number, less: Number) -> Number:
-    """zeta - sqrt(zeta^2 - 1), from left = zeta + 1 and less = zeta - 1."""
+    """The number rho = zeta - sqrt(zeta^2 - 1), from left = zeta + 1 and less = zeta - 1.
+    Off the interval [-1, 1], |rho| is below 1.
+    """
     if np.iscomplexobj(less):
         return np.asarray(2 / (np.sqrt(left) + np.sqrt(less)) ** 2)
     size = 2 / (np.sqrt(np.abs(left)) + np.sqrt(np.abs(less))) ** 2
@@ -363,7 +404,8 @@ def rho_of(left: Number, less: Number) -> Number:
 
 
 def series(moments: Array, left: Number, less: Number) -> Number:
-    """Sum of m_l rho^l / sqrt(zeta^2 - 1), the transform of sum m_l T_l / sqrt(1 - t^2).
+    """Transform of sum m_l T_l(t) / sqrt(1 - t^2) at points zeta off the interval (-1, 1).
+    It is sum m_l rho^l / sqrt(zeta^2 - 1) with rho = zeta - sqrt(zeta^2 - 1).
 
     moments: the m_l along the first axis; further axes, if any, are those of the points. left,
     less: zeta + 1 and zeta - 1.
@@ -376,7 +418,9 @@ def series(moments: Array, left: Number, less: Number) -> Number:
 
 
 def series_slope(moments: Array, left: Number, less: Number) -> Number:
-    """Derivative of `series` by zeta."""
+    """Derivative by zeta of `series`, the transform of sum m_l T_l / sqrt(1 - t^2).
+    moments: the coefficients m_l. left, less: zeta + 1 and zeta - 1.
+    """
     rho = rho_of(left, less)
     root = 0.5 * (left + less) - rho
     value, slope = np.zeros_like(rho), np.zeros_like(rho)
@@ -387,7 +431,9 @@ def series_slope(moments: Array, left: Number, less: Number) -> Number:
 
 
 def series_potential(moments: Array, left: Array, less: Array) -> Array:
-    """Potential of sum m_l T_l / sqrt(1 - t^2) at real points off the interval."""
+    """Potential of sum m_l T_l / sqrt(1 - t^2) at real points zeta off the interval.
+    moments: the coefficients m_l. left, less: zeta + 1 and zeta - 1.
+    """
     rho = rho_of(left, less)
     value = np.zeros_like(rho)
     for l in range(len(moments) - 1, 0, -1):

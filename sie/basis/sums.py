@@ -21,10 +21,10 @@ class SumOptions:
     # Number of (point, source) pairs whose arrays fit into the processor's cache.
     cache_pairs: int = 1 << 15
     # Largest number of (point, source) pairs in one matrix product, and of numbers in one table.
-    # They fill some megabytes.
+    # These arrays fill some megabytes.
     memory_pairs: int = 1 << 19
-    # With at least this many pairs or table entries, matrix operations are faster than loops over
-    # pairs or columns.
+    # With at least this many (point, source) pairs or table entries, matrix operations are faster
+    # than loops over pairs or columns.
     min_matrix_pairs: int = 1 << 12
     # Number of terms up to which sums of sines, and transforms, are products with a matrix. Longer
     # sums of sines use the addition theorem (see `_sines`). Longer transforms are fast transforms.
@@ -35,7 +35,7 @@ class SumOptions:
 
     @property
     def max_turn(self) -> float:
-        """Largest change of the phase l theta over a panel, in integrals of cos(l theta)."""
+        """Largest change of l theta over a panel (one quadrature interval) for cos(l theta)."""
         return self.gauss_nodes / 2
 
 
@@ -50,7 +50,8 @@ def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
 
 
 def stretches(counts: Index, most: int) -> Iterator[slice]:
-    """Blocks of consecutive points; each block has at most `most` pairs or is a single point.
+    """Yield blocks of consecutive points that have at most `most` (point, item) pairs together.
+    A point that has more pairs is a block of its own.
 
     counts: number of pairs of each point.
     """
@@ -64,7 +65,7 @@ def stretches(counts: Index, most: int) -> Iterator[slice]:
 
 @record
 class Grouped:
-    """Items that lie in zones (points, jumps or poles), sorted by zone.
+    """Items (points, jumps or poles), sorted by the zone in which they lie.
 
     order: indices of the items, zone after zone. count: number of items in each zone; first:
     position in `order` of the zone's first item. Both have one more entry, for zones without items.
@@ -81,7 +82,7 @@ class Grouped:
         return cls(np.argsort(zone, kind="stable"), count, np.cumsum(count) - count)
 
     def rows(self, zone: Index) -> Index:
-        """Index in `count` and `first` of each given zone.
+        """Index of each given zone in the arrays `count` and `first`.
 
         All zones after the last zone with items share the last entry, whose count is 0.
         """
@@ -98,7 +99,7 @@ class Grouped:
         }
 
     def summed(self, zone: Index, weight: Array, of: Callable[[Index, Index], Array]) -> Array:
-        """For each point, the weighted sum over the items in the zone of that point.
+        """For each point, the weighted sum of a function `of` over the items in the point's zone.
 
         zone: zone of each point; weight: weight of each item. of(points, items): the summand
         without its weight, pair by pair. In a zone with many pairs it is called with points (n, 1)
@@ -179,15 +180,16 @@ def sum_and_slope(u: Array, rho: NDArray[Any], zone: Index) -> tuple[NDArray[Any
 
 
 def _seen_terms(rho: NDArray[Any], count: int) -> Index:
-    """Number of the `count` terms u_k rho^k that are above round-off."""
+    """For each rho, the number of terms u_k rho^k, k < `count`, that are above round-off."""
     with np.errstate(divide="ignore"):
         seen = np.ceil(-DIGITS / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))
-    # At least one term is kept, because for rho = 0 the formula would give no terms.
+    # For rho = 0 the formula gives no terms, but the term with k = 0 is still needed.
     return np.fmin(count, np.maximum(seen, 1)).astype(int)
 
 
 def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArray[Any]:
-    """`sum_of_powers` for pairs (rho, zone), with a given number of terms for each pair.
+    """Power series sum_k u[zone, k] rho^k at pairs of a number rho and a zone, by Horner's rule.
+    terms: number of terms of each pair's series.
 
     Pairs are sorted by the number of terms, so that Horner's rule works on a growing block.
     """
@@ -204,10 +206,13 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
 def _sorted_pairs(
     rho: NDArray[Any], zone: Index, terms: Index
 ) -> tuple[Index, NDArray[Any], Index, Index]:
-    """Pairs by falling number of terms: their order, rho, zones, and how many have a term k."""
+    """Sort the pairs (rho, zone) of power series by falling number of terms.
+    Returns the order, the sorted rho and zones, and for each k the number of pairs that have more
+    than k terms.
+    """
     last = int(terms.max(initial=0))
     fewer = last - terms
-    # Short integers are sorted by digits, in a fifth of the time.
+    # NumPy sorts 16-bit integers by radix sort, in a fifth of the time that longer integers take.
     order = np.argsort(fewer.astype(np.uint16) if last < 1 << 16 else fewer, kind="stable")
     active = len(terms) - np.cumsum(np.bincount(terms, minlength=last + 1))[:last]
     return order, rho[order], zone[order], active
@@ -238,7 +243,7 @@ def waves(weight: Array, angle: Array, count: int) -> Complex:
 
 
 def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
-    """Sine series sum_k u[zone, k] sin((k + 1) theta), from the angle to the nearer end.
+    """Sine series sum_k u[zone, k] sin((k + 1) theta), given the angle from the nearer end.
 
     theta = pi - angle where `flip` is true, else theta = angle. So no digit is lost near either
     end. Arrays have any shape. Zones broadcast from (n, 1), with the same angles in each, are
@@ -268,13 +273,13 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
 
 
 def cosine_sum(c: Array, zone: Index, theta: Array) -> Array:
-    """Cosine series sum_k c[zone, k] cos((k+1) theta), pair by pair (n,)."""
+    """Cosine series sum_k c[zone, k] cos((k+1) theta), for n pairs of a zone and an angle theta."""
     turn = np.exp(1j * theta)
     return np.asarray((turn * _by_horner(c, turn, zone, _terms(c, zone))).real)
 
 
 def _terms(table: Array, row: Index) -> Index:
-    """Number of coefficients in each given row, up to the last coefficient that is not zero."""
+    """Number of coefficients in each given row of `table`, up to the last one that is not zero."""
     named = np.flatnonzero(np.bincount(row, minlength=len(table)))
     used = table[named] != 0.0
     terms = np.zeros(len(table), dtype=np.intp)
@@ -287,7 +292,9 @@ def _terms(table: Array, row: Index) -> Index:
 
 
 def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
-    """`sine_sum` at the same angles in several zones, by matrix products in blocks."""
+    """Sine series of several zones at the same angles, by matrix products in blocks of angles.
+    The series and the arguments are those of `sine_sum`.
+    """
     rows = u[zones]
     k = np.arange(1, _terms(u, zones).max(initial=0) + 1)
     rows = rows[:, : len(k)]

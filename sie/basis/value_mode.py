@@ -30,6 +30,8 @@ Number = NDArray[Any]
 @dataclass(frozen=True)
 class ValueMode:
     """The density with the value 1 at one end of (-1, 1) and 0 at the other.
+    Its right side kappa phi + T phi is a logarithm of the distance to the former end, plus a
+    constant.
 
     Parameters
     ----------
@@ -78,7 +80,7 @@ class ValueMode:
         return beta_share(w.alpha, w.rest, 0.5 * far, 0.5 * near)
 
     def own(self, left: Any, right: Any) -> Array:
-        """kappa phi + T phi of this density phi on the interval."""
+        """Right side kappa phi + T phi of this density phi on the interval; T is the transform."""
         near, _ = self._sides(left, right)
         constant = float(special.digamma(self._half.alpha)) + float(np.euler_gamma)
         return np.asarray(self._sign / np.pi * (np.log(0.5 * near) - constant))
@@ -92,7 +94,8 @@ class ValueMode:
         return np.asarray(value if self.at_left else self.total - value)
 
     def edge_slopes(self) -> tuple[float, float]:
-        """Factors A of the terms A d^gamma in V at the distance d from the left and right ends.
+        """Factors A of the terms A d^gamma of this density at the left and right end.
+        d is the distance from the end.
 
         The half width is 1. gamma is 1 - alpha at the left end and alpha at the right end. At the
         end with the value 1, A d^gamma is added to this value.
@@ -111,7 +114,8 @@ class ValueMode:
         weights = self._half.first_moments(length + 1)
         weights[1:] *= 0.5
         n = np.arange(1.0, length + 1)
-        # ((1/pi) int w T_n dt - T_n(-1)) / n, with the weight w.
+        # `divided` is ((1/pi) int w T_n dt - T_n(-1)) / n, with the weight w. Integration by parts
+        # gives the moments from it.
         divided = (weights[1:] - (1 - 2 * (n % 2))) / n
         out = divided.copy()
         out[1:] *= 0.5
@@ -120,7 +124,9 @@ class ValueMode:
         return np.asarray(out / np.pi * self._sign ** np.arange(length))
 
     def transform(self, points: Points) -> Number:
-        """Transform F of the density off the interval."""
+        """Transform (1/pi) int V(t) / (zeta - t) dt of this density V at points zeta.
+        The points are off the interval.
+        """
 
         def of(w: JacobiFunctions, left: Number, less: Number) -> Number:
             return value_transform(w.alpha, w.rest, left, less)
@@ -138,7 +144,10 @@ class ValueMode:
     def _mirrored(
         self, points: Points, of: Callable[[JacobiFunctions, Number, Number], Number], sign: float
     ) -> Number:
-        """Values of `of` at the points; mirrored if the density is 1 at the right end."""
+        """Field of this density, by a function `of` for the density with the value 1 at the left.
+        If this density has the value 1 at the right end, `of` is called at the mirror images of the
+        points, and the result is multiplied by `sign`.
+        """
         left, less = from_ends(points)
         if self.at_left:
             return of(self._half, left, less)

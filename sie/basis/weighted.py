@@ -46,7 +46,7 @@ Points = InPlane | OnLine | Outside
 
 
 def exponent_of(kappa: complex) -> complex:
-    """The exponent alpha, with a real part in (0, 1), with cot(pi alpha) = kappa.
+    """The exponent alpha with cot(pi alpha) = kappa and a real part in (0, 1).
 
     It has all digits for large kappa too. 1 - alpha is the exponent of -kappa.
 
@@ -69,7 +69,7 @@ def exponent_of(kappa: complex) -> complex:
 
 
 class Split(NamedTuple):
-    """Coefficients of a density, from which it is accurate close to ends where it is bounded.
+    """Coefficients of a density that give it accurately close to ends where it is bounded.
 
     Of several densities, k_left and k_right are arrays, and q has a row for each.
 
@@ -83,7 +83,9 @@ class Split(NamedTuple):
 
 @dataclass(frozen=True)
 class JacobiFunctions(Kept):
-    """The densities S_n of kappa phi + T phi = g on (-1, 1); see the module's docstring.
+    """Densities S_n = w p_n for the equation kappa phi + T phi = g on (-1, 1).
+    w is the weight, which is singular at both ends; p_n are Jacobi polynomials. The module's
+    docstring has the formulas.
 
     Parameters
     ----------
@@ -106,44 +108,54 @@ class JacobiFunctions(Kept):
 
     @cached_property
     def alpha(self) -> Any:
-        """The exponent alpha: cot(pi alpha) = kappa."""
+        """The exponent alpha of the weight, with cot(pi alpha) = kappa."""
         return exponent_of(self.kappa)
 
     @cached_property
     def rest(self) -> Any:
-        """1 - alpha, without cancellation."""
+        """The exponent 1 - alpha, without cancellation where alpha is close to 1."""
         return exponent_of(-self.kappa)
 
     @cached_property
     def sine(self) -> Any:
-        """sin(pi alpha)."""
+        """sin(pi alpha), the constant factor of the weight; alpha is the exponent."""
         if isinstance(self.kappa, complex):
-            # Near kappa = i and kappa = -i, the sum 1 + kappa^2 loses digits. The product does not.
+            # Near kappa = i and kappa = -i, the sum 1 + kappa^2 loses digits. The product of 1 + i
+            # kappa and 1 - i kappa does not.
             return 1.0 / cmath.sqrt((1 + 1j * self.kappa) * (1 - 1j * self.kappa))
         return 1.0 / math.hypot(1.0, self.kappa)
 
     @property
     def mirrored(self) -> "JacobiFunctions":
-        """`JacobiFunctions` for -kappa; its S_n(t) is (-1)^n times S_n(-t) of this object."""
+        """The densities for -kappa, which are mirror images of the densities for kappa.
+        The density n for -kappa at t is (-1)^n times the density n for kappa at -t.
+        """
         return JacobiFunctions(-self.kappa)
 
     @cached_property
     def singular(self) -> Family:
-        """The polynomials p_n of S_n = w p_n, see the head of this file."""
+        """Jacobi polynomials p_n, orthogonal with the weight w; the products w p_n are densities.
+        The densities solve the equation kappa phi + T phi = g.
+        """
         return Family(self.alpha, self.rest)
 
     @cached_property
     def bounded(self) -> Family:
-        """The polynomials q_n of the bounded part (1 - t^2) w sum_n q_n q[n] of a `Split`."""
+        """Jacobi polynomials q_n, orthogonal with the bounded weight (1 - t^2) w.
+        They represent the bounded part of a density in a `Split`.
+        """
         return Family(self.alpha, self.rest, bounded=True)
 
     @cached_property
     def images(self) -> Family:
-        """The polynomials D_n in which the equation's right side is expanded."""
+        """Polynomials D_n(t) = (-1)^n q_n(-t), in which the right side of the equation is expanded.
+        q_n are the Jacobi polynomials of `bounded`.
+        """
         return self.bounded.mirrored
 
     def recurrence(self, count: int) -> tuple[Number, Number]:
-        """(a_n, b_n), n = 0 ... count - 1, of t p_n = b_(n+1) p_(n+1) + a_n p_n + b_n p_(n-1).
+        """Recurrence coefficients (a_n, b_n), n = 0 ... count - 1, of the Jacobi polynomials p_n.
+        The recurrence is t p_n = b_(n+1) p_(n+1) + a_n p_n + b_n p_(n-1).
 
         t p_0 = 2 b_1 p_1 + a_0 p_0, as for Chebyshev's T_n. b_0 is zero.
         """
@@ -151,29 +163,37 @@ class JacobiFunctions(Kept):
 
     # The methods below give the density and its integrals on the interval.
     def weight(self, left: Any, right: Any) -> Number:
-        """The weight w = S_0 at places given by left = 1 + t and right = 1 - t."""
+        """The weight w = sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).
+        left, right: 1 + t and 1 - t of the points t.
+        """
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         return np.asarray(self.sine * right ** (self.alpha - 1) * left**-self.alpha)
 
     def bounded_weight(self, left: Any, right: Any) -> Number:
-        """The weight (1 - t^2) w, which vanishes at both ends."""
+        """The bounded weight (1 - t^2) w, which vanishes at both ends; w is `weight`."""
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         return np.asarray(self.sine * power(right, self.alpha) * power(left, self.rest))
 
     def values(self, c: Number, left: Any, right: Any) -> Number:
-        """The polynomial sum_n c_n p_n; times `weight` it is the density."""
+        """Sum of c_n p_n with Jacobi polynomials p_n; its product with `weight` is a density."""
         return self.singular.sums(c, left, right)
 
     def table(self, count: int, left: Any, right: Any) -> Number:
-        """p_n for n = 0 ... count - 1, along a new last axis."""
+        """Values of the Jacobi polynomials p_n, n = 0 ... count - 1, along a new last axis.
+        left, right: 1 + t and 1 - t of the points.
+        """
         return self.singular.table(count, left, right)
 
     def own(self, c: Number, left: Any, right: Any) -> Number:
-        """kappa phi + T phi on the interval, of the density phi = sum_n c_n S_n."""
+        """Right side kappa phi + T phi of a density phi = w sum_n c_n p_n on the interval.
+        w is the weight, p_n are Jacobi polynomials, and T is the transform.
+        """
         return -self.images.sums(c[1:], left, right)
 
     def split(self, c: Number, left_bounded: Any = False, right_bounded: Any = False) -> Split:
-        """The density sum_n c_n S_n as a `Split`; c (n,), or a row for each of several densities.
+        """The density w sum_n c_n p_n as a `Split`, coefficients accurate near bounded ends.
+        w is the weight, p_n are Jacobi polynomials. c has the shape (n,), or a row for each of
+        several densities.
 
         At an end said to be bounded the intensity is round-off, and is left out. The coefficients
         follow from p_n = b_(n+1) q_n + e_n q_(n-1) - b_n q_(n-2), from the last one down.
@@ -191,11 +211,14 @@ class JacobiFunctions(Kept):
         return Split(k_left, k_right, np.moveaxis(q[:count], 0, -1))
 
     def values_q(self, q: Number, left: Any, right: Any) -> Number:
-        """Values of sum_n q[n] q_n(t), with the coefficients q of a `Split`."""
+        """Sum of q[n] q_n(t) with the Jacobi polynomials q_n of the bounded weight (1 - t^2) w.
+        The coefficients q are those of a `Split`.
+        """
         return self.bounded.sums(q, left, right)
 
     def density(self, split: Split, left: Any, right: Any) -> Number:
-        """The density of a `Split` on the interval; at a bounded end it is zero.
+        """The density that a `Split` represents, at points on the interval; zero at bounded ends.
+        left, right: 1 + t and 1 - t of the points t.
 
         Of several densities, they are the first axis of the result.
         """
@@ -211,43 +234,54 @@ class JacobiFunctions(Kept):
         return np.asarray(out)
 
     def integral_to(self, c: Number, left: Any, right: Any) -> Number:
-        """Integral of sum_n c_n S_n from -1 to t."""
+        """Integral from -1 to t of w sum_n c_n p_n (weight w, Jacobi polynomials p_n)."""
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         higher = self.values_q(c[1:] / np.arange(1, len(c)), left, right)
         first = beta_share(self.rest, self.alpha, 0.5 * left, 0.5 * right)
         return np.asarray(np.pi * c[0] * first - self.bounded_weight(left, right) * higher)
 
     def total(self, c: Number) -> complex:
-        """Integral of sum_n c_n S_n over the interval."""
+        """Integral of w sum_n c_n p_n over the interval (weight w, Jacobi polynomials p_n)."""
         return complex_or_real(np.pi * c[0])
 
     def first_moment(self, c: Number) -> complex:
-        """Integral of t times sum_n c_n S_n over the interval."""
+        """Integral of t w sum_n c_n p_n over the interval (weight w, Jacobi polynomials p_n)."""
         a, b = self.recurrence(2)
         return complex_or_real(np.pi * (a[0] * c[0] + (b[1] * c[1] if len(c) > 1 else 0.0)))
 
     # The methods below give the density's behaviour at the ends.
     def edge_values(self, count: int) -> tuple[Number, Number]:
-        """Values of p_n at t = -1 and at t = 1, n = 0 ... count - 1."""
+        """Values of the Jacobi polynomials p_n, n = 0 ... count - 1, at t = -1 and at t = 1."""
         return self.singular.at_minus_one(count), self.singular.at_one(count)
 
     def edge_derivatives(self, count: int) -> tuple[Number, Number]:
-        """Derivatives of p_n by t at t = -1 and at t = 1, n = 0 ... count - 1."""
+        """Derivatives of the Jacobi polynomials p_n, n = 0 ... count - 1, at t = -1 and t = 1."""
         squares, (left, right) = np.arange(count) ** 2, self.edge_values(count)
         return -squares * left / (2 * self.rest), squares * right / (2 * self.alpha)
 
     @property
     def edge_scale(self) -> tuple[Any, Any]:
-        """Intensities K of the weight w at the left and the right end, for the half width 1."""
+        """Factors K of the terms K d^(gamma - 1) of the weight w at the left and the right end.
+        d is the distance from the end, for the half width 1. gamma is 1 - alpha at the left end and
+        alpha at the right end.
+        """
         return self.sine * 2.0**-self.rest, self.sine * 2.0**-self.alpha
 
     def intensities(self, c: Number) -> tuple[Any, Any]:
-        """Intensities K of sum_n c_n S_n at the left and the right end, for the half width 1."""
+        """Factors K of the terms K d^(gamma - 1) of a density at the left and the right end.
+        The density is w sum_n c_n p_n, with the weight w and Jacobi polynomials p_n. d is the
+        distance from the end, for the half width 1. gamma is 1 - alpha at the left end and alpha at
+        the right end.
+        """
         (left, right), (at_left, at_right) = self.edge_scale, self.edge_values(len(c))
         return left * complex_or_real(at_left @ c), right * complex_or_real(at_right @ c)
 
     def edge_slopes(self, c: Number) -> tuple[Any, Any]:
-        """Edge slopes A of sum_n c_n S_n at the left and the right end, for the half width 1."""
+        """Factors A of the terms A d^gamma of a density at the left and the right end.
+        The density is w sum_n c_n p_n, with the weight w and Jacobi polynomials p_n. d is the
+        distance from the end, for the half width 1. gamma is 1 - alpha at the left end and alpha at
+        the right end.
+        """
         (left, right), (at_left, at_right) = self.edge_scale, self.edge_values(len(c))
         slope_left, slope_right = self.edge_derivatives(len(c))
         return (
@@ -255,9 +289,11 @@ class JacobiFunctions(Kept):
             right * complex_or_real((0.5 * self.alpha * at_right - slope_right) @ c),
         )
 
-    # The methods below give transforms off the interval.
+    # The methods below give transforms of densities at points off the interval.
     def transforms(self, count: int, points: Points) -> Number:
-        """Transforms F of S_n, n = 0 ... count - 1, along a new last axis."""
+        """Transforms of the densities w p_n at points off the interval, n = 0 ... count - 1.
+        w is the weight, p_n are Jacobi polynomials. The index n is along a new last axis.
+        """
 
         def of(half: JacobiFunctions, sign: float, less: Number, left: Number) -> Number:
             table = transform_table(half.singular, count, less, left)
@@ -266,7 +302,7 @@ class JacobiFunctions(Kept):
         return self._by_halves(points, of, (count,))
 
     def transform_of(self, c: Number, points: Points) -> Number:
-        """Transform F of the density sum_n c_n S_n."""
+        """Transform, off the interval, of w sum_n c_n p_n (weight w, Jacobi polynomials p_n)."""
 
         def of(half: JacobiFunctions, sign: float, less: Number, left: Number) -> Number:
             return transform_sum(half.singular, c * sign ** np.arange(len(c)), less, left)
@@ -274,11 +310,15 @@ class JacobiFunctions(Kept):
         return self._by_halves(points, of)
 
     def slope_of(self, c: Number, points: Points) -> Number:
-        """Derivative of the transform F of the density sum_n c_n S_n by zeta."""
+        """Derivative by zeta of the transform of w sum_n c_n p_n at points zeta off the interval.
+        w is the weight, p_n are Jacobi polynomials.
+        """
         return self.split_slope(self.split(c), points)
 
     def split_transform(self, split: Split, points: Points) -> Number:
-        """Transform F of the density of a `Split`; finite at ends where the density is bounded."""
+        """Transform, off the interval, of a density given as a `Split` (a record of coefficients).
+        At ends where the density is bounded, the transform is finite.
+        """
 
         def of(half: JacobiFunctions, sign: float, less: Number, left: Number) -> Number:
             at_left, at_right = split[:2] if sign > 0 else split[1::-1]
@@ -293,7 +333,7 @@ class JacobiFunctions(Kept):
         return self._by_halves(points, of)
 
     def split_slope(self, split: Split, points: Points) -> Number:
-        """Derivative by zeta of `split_transform`.
+        """Derivative by zeta of the transform of a density that is given as a `Split`.
 
         The derivative of (1 - t^2) w q_n by t is -(n + 1) S_(n+1).
         """
@@ -306,24 +346,26 @@ class JacobiFunctions(Kept):
                 out = out + half.alpha * at_left * np.exp(half.alpha * ratio)
             if at_right:
                 out = out + half.rest * at_right * np.exp(-half.rest * ratio)
-            # `_by_halves` negates the values on the mirrored half, but a slope keeps its sign
-            # there. The factor `sign` undoes this negation.
+            # In the left half plane, `_by_halves` negates the values at the mirror images of
+            # points, but a derivative keeps its sign there. The factor `sign` undoes this negation.
             return np.asarray(-sign * out / left / less)
 
         count = len(split.q)
         c = np.concatenate((np.zeros(1), -split.q * np.arange(1, count + 1)))
         return self._by_halves(points, of) + self.transform_of(c, points)
 
-    # The methods below give the potential (1/pi) int phi(t) log|zeta - t| dt, which is an integral
-    # of the transform.
+    # The methods below give the potential (1/pi) int phi(t) log|zeta - t| dt of a density phi. Its
+    # derivative by zeta is the transform.
     @cached_property
     def level(self) -> Any:
-        """Potential of S_0 plus kappa times the integral of S_0 from -1 to t, which is constant."""
+        """Potential of the weight w plus kappa times the integral of w from -1 to t.
+        On the interval, this sum does not depend on t.
+        """
         digamma = complex_or_real(special.digamma(self.rest))
         return math.log(2.0) + digamma + float(np.euler_gamma)
 
     def own_potential(self, c: Number, left: Any, right: Any) -> Number:
-        """Potential of sum_n c_n S_n on the interval.
+        """Potential of w sum_n c_n p_n on the interval (weight w, Jacobi polynomials p_n).
 
         Plus kappa times the integral from -1 to t, it is `own_level`.
         """
@@ -331,7 +373,8 @@ class JacobiFunctions(Kept):
         return np.asarray(level - self.kappa * self.integral_to(c, left, right))
 
     def own_level(self, c: Array, left: Any, right: Any) -> Array:
-        """Potential of sum_n c_n S_n on the interval, plus kappa times the integral from -1 to t.
+        """On the interval, a density's potential plus kappa times its integral from -1 to t.
+        The density is w sum_n c_n p_n, with the weight w and Jacobi polynomials p_n.
 
         It is `level` for n = 0 and -1/n times the mirrored family's p_n for n > 0.
         """
@@ -340,7 +383,8 @@ class JacobiFunctions(Kept):
         return np.asarray(c[0] * self.level - self.singular.mirrored.sums(divided, left, right))
 
     def potentials(self, count: int, points: Points) -> Number:
-        """Potentials of S_n off the interval, n = 0 ... count - 1, along a new last axis.
+        """Potentials of the densities w p_n at points off the interval, n = 0 ... count - 1.
+        w is the weight, p_n are Jacobi polynomials. The index n is along a new last axis.
 
         At complex points they are analytic functions whose real part is the potential.
         """
@@ -355,13 +399,15 @@ class JacobiFunctions(Kept):
         return np.concatenate((first, -self._by_halves(points, of, (count - 1,))), axis=-1)
 
     def potential_of(self, c: Number, points: Points) -> Number:
-        """Potential of sum_n c_n S_n off the interval; see `potentials`."""
+        """Potential of w sum_n c_n p_n off the interval (weight w, Jacobi polynomials p_n)."""
         q = -c[1:] / np.arange(1, len(c))
         higher = self.split_transform(Split(0.0, 0.0, q), points)
         return np.asarray(c[0] * self._first_potential(points) + higher)
 
     def _first_potential(self, points: Points) -> Number:
-        """Potential of S_0; integration by parts gives it from the transform of the integral."""
+        """Potential of the weight w off the interval.
+        Integration by parts gives it from the transform of the integral of w.
+        """
         left, less = from_ends(points)
         distance = np.log(left if np.iscomplexobj(left) else np.abs(left))
         return np.asarray(distance - np.pi * value_transform(self.alpha, self.rest, left, less))
@@ -372,7 +418,7 @@ class JacobiFunctions(Kept):
         of: Callable[["JacobiFunctions", float, Number, Number], Number],
         shape: tuple[int, ...] = (),
     ) -> Number:
-        """Transform at any points, by a function `of` that serves points of the right half plane.
+        """Transform at points of the whole plane, by a function `of` for the right half plane.
 
         of(weighted, sign, zeta - 1, zeta + 1): for the sign -1 it is called with the mirrored
         densities at -zeta; the transform there is minus that at zeta. Logarithms and roots take
@@ -389,20 +435,24 @@ class JacobiFunctions(Kept):
             out[here] = values
         return out
 
-    # The methods below give matrices between bases.
+    # The methods below give matrices that convert coefficients from one basis to another.
     def from_u(self, count: int) -> Array:
-        """Upper triangular matrix C (count, count) with U_j = sum_i C[i, j] D_i.
-
-        U_j are Chebyshev polynomials of the second kind; D_i: see the head of this module.
+        """Matrix C that converts the right side's Chebyshev coefficients to Jacobi ones.
+        U_j = sum_i C[i, j] D_i, with Chebyshev polynomials U_j of the second kind and the
+        polynomials D_i of `images`. C is upper triangular, of the shape (count, count).
         """
         return _from_u(self.kappa, count)
 
     def to_u(self, count: int) -> Array:
-        """The inverse B of the matrix `from_u`: D_j = sum_i B[i, j] U_i."""
+        """Matrix B that converts the right side's Jacobi coefficients to Chebyshev ones.
+        D_j = sum_i B[i, j] U_i, with the Jacobi polynomials D_j of `images` and Chebyshev
+        polynomials U_i of the second kind. B is the inverse of `from_u`.
+        """
         return _to_u(self.kappa, count)
 
     def moments(self, count: int, length: int) -> Array:
-        """Chebyshev coefficients (length, count) that give the field of each S_n off the interval.
+        """Chebyshev moments (length, count) that give the field of each w p_n off the interval.
+        w is the weight, p_n a Jacobi polynomial, and n < `count`.
 
         m[l, n] = (2 - delta_l0) / pi int S_n T_l dt. Off the interval sum_n c_n S_n has the field
         of sum_l (m c)_l T_l / sqrt(1 - t^2). Coefficients with l < n are zero.
@@ -410,7 +460,8 @@ class JacobiFunctions(Kept):
         return _moments(self.kappa, count, length)
 
     def first_moments(self, length: int) -> Array:
-        """The first column of `moments`, that of the weight w.
+        """Chebyshev moments (2 - delta_l0) / pi int w T_l dt of the weight w, l < `length`.
+        They are the first column of `moments`.
 
         It follows from the transform of S_0. It is the power series of
         ((1 + rho) / (1 - rho))^(1 - 2 alpha).
@@ -434,7 +485,9 @@ def from_ends(points: Points) -> tuple[Number, Number]:
 
 
 def _times_t(a: Number, b: Number, v: Number) -> Number:
-    """Coefficients of t f, from those of f in polynomials with the recurrence (a, b)."""
+    """Coefficients of t f(t) from the coefficients v of f, in orthogonal polynomials.
+    a, b: coefficients of the three-term recurrence of the polynomials.
+    """
     out = a * v
     out[1:] += b[1:] * v[:-1]
     out[:-1] += b[1:] * v[1:]

@@ -61,7 +61,7 @@ class Plane:
         self.total = float(np.pi * (c[:, 0] @ zones.half))
 
     def __call__(self, z: Complex, what: What) -> Complex:
-        """The transform, its derivative, or the potential at complex points z (n,).
+        """The density's transform, the transform's derivative, or the potential, at complex z.
 
         The points may lie in any period.
         """
@@ -92,13 +92,17 @@ class Plane:
     # The methods below give the part of the fields that the kernel's poles cause, without the
     # regular part.
     def poles(self, x: Array, y: Array, whats: Sequence[What]) -> list[Complex]:
-        """Fields at x + i y that the kernel's poles cause, summed by a tree (`sie.trees`)."""
+        """Fields (transforms or potentials) at x + i y that the kernel's poles cause.
+        The zones are summed by a tree (`sie.trees`).
+        """
         return fields_of_tree(
             self.nested.tree, self.series, self.density.kernel, (x, y), whats, self.of_zones
         )
 
     def of_zones(self, x: Array, y: Array, zone: Index, whats: Sequence[What]) -> list[Complex]:
-        """Fields of one zone at each point x + i y, for pairs of a point and a zone."""
+        """Fields (transforms or potentials) of one zone at each point x + i y.
+        zone: for each point, the index of this zone.
+        """
         density = self.density
         zones, w = density.zones, density.zones.half[zone]
         seen = InPlane.of(zones.beyond_a(x, zone) / w, -zones.before_b(x, zone) / w, y / w)
@@ -123,7 +127,7 @@ class Plane:
         return values
 
     def _jumps(self, zone: int, seen: InPlane, what: What) -> Complex:
-        """Field that the jumps in one zone cause at the given points."""
+        """Field of the density that jumps of the right side in one zone cause, at given points."""
         w, datum, jumps = (
             float(self.density.zones.half[zone]),
             self.density.kernel.datum,
@@ -195,7 +199,7 @@ class Plane:
 
     @cached_property
     def _central_nodes(self) -> list[tuple[Array, Array]]:
-        """(nodes on the interval that spans all zones, weights that represent the density).
+        """Nodes on the interval that spans all zones, and weights that represent the density there.
 
         The weights reproduce its first moments, which is enough if the regular part is smooth over
         a period.
@@ -223,9 +227,9 @@ def _check_analytic(regular: Regular, z: Complex, places: Array) -> None:
             )
 
 
-# The function below sums the closed forms of jumps.
+# The function below sums the closed-form fields of jumps of the right side.
 def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Complex:
-    """Field of the jumps k of a zone, at points close to the zone.
+    """Field of the density that jumps of the right side in a zone cause, close to the zone.
 
     k: indices of the jumps. The derivative is multiplied by the half width w. The potential is
     divided by w and lacks the term c_0 log(w), where c_0 is the jumps' coefficient of T_0 / X.
