@@ -167,7 +167,8 @@ def numbered(counts: Index) -> Index:
 
 
 def by_rows(of: Callable[..., Any], *tables: NDArray[Any], max_rows: int = 2048) -> Any:
-    """The result of a function on tables, computed in blocks of at most `max_rows` rows.
+    """The value of a function `of` tables that acts row by row, computed in blocks of rows.
+    A block has at most `max_rows` rows.
 
     Without blocks, intermediate arrays of long tables would not fit into the cache.
     """

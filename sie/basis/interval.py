@@ -95,7 +95,7 @@ def decay_rate(excess: Any) -> Array:
 
 
 def excess_of(rate: float) -> float:
-    """The excess |zeta| - 1 at which `decay_rate` has the value `rate`."""
+    """The excess |zeta| - 1 at which powers of rho decay with the rate -log|rho| = `rate`."""
     return 2 * float(np.sinh(0.5 * rate)) ** 2
 
 
@@ -246,7 +246,7 @@ def complex_of(x: Any, y: Any) -> Complex:
 
 @record
 class InPlane:
-    """Pairs of an interval and a point in the closed upper half plane.
+    """Complex points x + iy, y >= 0, in coordinates relative to an interval, one for each point.
 
     left = zeta + 1 and less = zeta - 1 have the square roots p and m in the first quadrant. Then R
     = p m, rho = 2 / (p + m)^2 and 1 - rho = 2 m / (p + m).
@@ -475,8 +475,6 @@ def edge_slopes(
 ) -> tuple[Array, Array]:
     """Edge slopes A at both ends of the density (alpha + beta t) / X + X sum u_k U_k.
     X = sqrt(1 - t^2). A is the coefficient of sqrt(d), with the distance d from the end.
-
-    A is the coefficient of sqrt(d) in the density at a small distance d from the end.
 
     at_left, at_right: values of sum u_k U_k at the ends.
     """

@@ -103,7 +103,7 @@ class Kernel(Kept):
 
     @cached_property
     def kept_panels(self) -> dict[Any, Any]:
-        """Cache of panels and skeletons of the regular part (`sie.trees.panels`)."""
+        """Cache of data for fast sums of the regular part: panels and skeletons (`sie.trees`)."""
         return {}
 
     @cached_property

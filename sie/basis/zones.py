@@ -22,7 +22,7 @@ from sie.basis.weight import HALF, Weight
 
 @dataclass(frozen=True)
 class End:
-    """One end of a zone.
+    """One end of a zone: whether it moves, and how the density behaves there.
 
     Parameters
     ----------
@@ -336,9 +336,10 @@ class Zones(Kept):
 
     @property
     def edge_scale(self) -> Array:
-        """The intensity K of 1 / sqrt(1 - t^2) at the ends of each zone (n,), see `Weight`.
+        """Intensity K of the density 1 / sqrt(1 - t^2) at the ends of each zone (n,).
+        K is the coefficient of 1 / sqrt(d), with the distance d from the end.
 
-        For an equation with kappa, it is that of each left and right end (2, n).
+        For an equation with kappa it is given for each left and right end (2, n), see `Weight`.
         """
         return np.asarray(self.weight.edge_scale(self.half))
 
@@ -357,16 +358,14 @@ class Zones(Kept):
     @cached_property
     def solved(self) -> Index:
         """Indices of the zones whose equations are solved.
-
-        These are all zones, or the right half of a symmetric set.
+        These are all zones or, of symmetric zones, the right half.
         """
         return np.arange(len(self) // 2, len(self)) if self.symmetric else np.arange(len(self))
 
     @cached_property
     def fixed_bounded(self) -> tuple[list[int], list[int]]:
-        """Positions in `solved` of zones with a fixed bounded left, or right, end: two lists.
-
-        Both are lists of positions in `solved`.
+        """Positions in `solved` of zones with a fixed bounded end, as two lists.
+        The first list is for left ends, the second for right ends.
         """
         left, right = (
             [
@@ -387,7 +386,9 @@ class Zones(Kept):
 
     @cached_property
     def intensities(self) -> Array:
-        """Prescribed intensities K at left and right ends (2, n); NaN if none is prescribed."""
+        """Prescribed intensities K at left and right ends (2, n); NaN where none is prescribed.
+        K is the coefficient of 1 / sqrt(distance from the end).
+        """
         return np.array(
             [
                 [np.nan if end.intensity is None else end.intensity for end in ends]
@@ -418,12 +419,15 @@ class Zones(Kept):
 
     @property
     def bounded(self) -> Mask:
-        """Whether the prescribed intensity of each left and right end is zero (2, n)."""
+        """Whether the density is bounded at each left and right end (2, n).
+        There the prescribed coefficient K of 1 / sqrt(distance) is zero.
+        """
         return np.asarray(self.intensities == 0.0)
 
     @property
     def follow_ends(self) -> bool:
-        """Whether any moving end has a prescribed intensity other than zero.
+        """Whether any moving end has a prescribed intensity K other than zero.
+        K is the coefficient of 1 / sqrt(distance from the end).
 
         Then a motion of the end changes the density at first order.
         """

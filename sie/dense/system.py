@@ -38,7 +38,7 @@ from sie.trees.tree import TERMS
 
 @record
 class Layout:
-    """Order of the unknowns in their array.
+    """Order of the unknowns in their array: coefficients zone by zone, then amplitudes.
 
     Zone i has the coefficients offset[i] ... offset[i] + m[i]. The amplitudes of the columns follow
     after all zones.
@@ -120,7 +120,7 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
     def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
-        """(the points in each source zone's coordinate, mask of points on other zones).
+        """(points in coordinates relative to each source zone, mask of points off that zone).
 
         The zones `sources` are moved by `shift`.
 
@@ -170,7 +170,8 @@ def outside(a: Array, b: Array, x: Array) -> Outside:
 def fields(
     zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, potential: bool
 ) -> Array:
-    """Transform or potential at the targets for a unit of each unknown (points, unknowns).
+    """Transform or potential at the targets, if one unknown is 1 and all others are 0.
+    The table (points, unknowns) has a column for each unknown.
 
     If `potential` is set it is the potential divided by the half width of the zone. The effect of a
     zone on itself is omitted.
@@ -196,7 +197,7 @@ def fields(
 def _add_regular(
     out: Array, zones: Zones, kernel: Kernel, x: Array, layout: Layout, potential: bool
 ) -> None:
-    """Add the field of the kernel's regular part at points x to the table `out`."""
+    """Add, to the table `out`, the fields at points x that the kernel's regular part causes."""
     regular = kernel.regular_potential if potential else kernel.regular
     if regular is None:
         raise ValueError("a condition on potentials needs the regular kernel's potential")
@@ -347,7 +348,9 @@ class System(Rows):
         return tails
 
     def projected(self, values: Array) -> Array:
-        """Coefficients in U_{k-1}, k = 1 ... m, of values at the targets, zone by zone."""
+        """Coefficients in U_{k-1}, k = 1 ...
+        m, of functions with the given values at the nodes. They are listed zone by zone.
+        """
         m = self.layout.m[self.zones.solved]
         first, out = np.cumsum(m) - m, np.empty((int(m.sum()), *values.shape[1:]))
         for count in set(m.tolist()):
@@ -494,6 +497,7 @@ class System(Rows):
 
     def intensities_of(self, coefficients: Array) -> tuple[Array, Array]:
         """The intensities K at the left and the right end of each solved zone.
+        K is the coefficient of 1 / sqrt(distance from the end).
 
         coefficients: those of the density, (all zones, n + 1).
         """
@@ -557,9 +561,7 @@ class System(Rows):
 
     def levels(self) -> Linear:
         """(rows, constants) such that the levels of the solved zones are rows @ y + constants.
-        y: the unknowns.
-
-        The level is the mean of the potential minus the primitive of the right side g.
+        y: the unknowns. The level of a zone is the mean of the potential minus the primitive of g.
 
         The mean of a zone's own potential is w c_0 log(w / 2), with the half width w. The mean of
         the primitive of g follows from its values at the ends and from the coefficients of g, since

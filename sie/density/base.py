@@ -35,12 +35,14 @@ class DensityBase(Kept):
 
     @property
     def beside(self) -> Logarithms | None:
-        """The logarithmic terms of the plateaus beside the zones; None if there are none."""
+        """Logarithms in the fields of plateaus; None if there are none.
+        A plateau is an interval beside a zone, on which the density is a given constant.
+        """
         return None
 
     @property
     def plateaus(self) -> Array:
-        """Intervals (m, 2) outside the zones; on each of them the density has a given value."""
+        """Plateaus (m, 2): intervals outside the zones, on which the density has given values."""
         return np.zeros((0, 2)) if self.beside is None else self._plateaus.table
 
     @property
@@ -103,7 +105,8 @@ class DensityBase(Kept):
         return np.abs(value), np.abs(by_left), np.abs(by_right)
 
     def largest_changes(self, zones: Index, angles: list[Array]) -> Array:
-        """Largest values, on each zone, of the three quantities of `change_sizes`: shape (3, Z).
+        """Largest values, on each zone, of |density| and of its changes by motions of the two ends.
+        The shape is (3, Z), see `change_sizes`.
 
         zones: the zones to evaluate, the others have zero; angles: the angles of each of these.
         """

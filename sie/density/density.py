@@ -128,8 +128,7 @@ class Density(Series):
         """(whether x lies in a slit, integral of the slit's unknown from its left end to x).
         A slit is a narrow gap treated as part of a wide zone; its unknown is g minus the transform.
 
-        A slit is a narrow gap treated as part of a wide zone. This density has no slits: false and
-        zero everywhere.
+        This density has no slits: false and zero everywhere.
         """
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
@@ -173,7 +172,7 @@ class Density(Series):
 
     @property
     def has_series(self) -> bool:
-        """Whether `treecode` exists in this object, or existed in the original of this copy.
+        """Whether `treecode` (fast sums) exists here, or existed in the object that was copied.
 
         Then all sums use it, so that a copy and its original agree to the last digit.
         """

@@ -202,7 +202,9 @@ OPTIONS = MotionOptions()
 
 
 class IteratedMotions(FreeEnds):
-    """Relations between motions of ends and edge intensities, for a state solved by iteration."""
+    """Relations between motions of ends and changes of intensities K, computed by iteration.
+    They are for solutions without a stored matrix.
+    """
 
     def __init__(self, state: State, solver: Iterative) -> None:
         super().__init__(state)
@@ -330,7 +332,8 @@ class IteratedMotions(FreeEnds):
         return np.asarray(found.x[count:] * self.width)
 
     def amplification(self) -> float:
-        """Factor by which interaction between zones enlarges motions of ends, from a random sample.
+        """Factor by which the interaction of zones enlarges motions of ends, from a random sample.
+        The motions are those that change the intensities K by given amounts.
 
         It is infinite if some motion leaves the intensities K unchanged.
         """
@@ -346,7 +349,9 @@ class IteratedMotions(FreeEnds):
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of d(sign * intensity K)/d(motion) of the free ends.
+        """Growth rate of motions of the free ends, if each end moves with the speed sign * K.
+        It is the largest real part of the eigenvalues of d(sign * K)/d(motion), with the
+        intensities K.
 
         It is found by Arnoldi's method (W. E. Arnoldi, Quart. Appl. Math. 9, 1951, 17-29).
         """
@@ -394,7 +399,8 @@ class IteratedMotions(FreeEnds):
 
 @dataclass(frozen=True, eq=False)
 class EndRates:
-    """Derivatives of intensities and levels (potentials' constants) by motions of the free ends.
+    """Derivatives of intensities K and of zones' levels by motions of the free ends.
+    The level of a zone is the constant of the potential on it.
 
     The values of the side conditions do not change. The right end of a mirrored pair stands for
     both ends.
@@ -583,7 +589,9 @@ def end_motions(state: State, change: Array) -> tuple[Array, Array]:
 
 
 class DirectMotions(FreeEnds):
-    """Relations between motions of ends and intensities, by the matrix of derivatives."""
+    """Relations between motions of ends and changes of intensities K, by a stored matrix.
+    The matrix contains the derivatives of K by motions.
+    """
 
     def __init__(self, state: State) -> None:
         super().__init__(state)
@@ -619,7 +627,9 @@ class DirectMotions(FreeEnds):
     def growth(
         self, signs: Array, normal: Array | None = None, by_value: Array | None = None
     ) -> float:
-        """Largest real part of the eigenvalues of d(sign * intensity K)/d(motion) of the free ends.
+        """Growth rate of motions of the free ends, if each end moves with the speed sign * K.
+        It is the largest real part of the eigenvalues of d(sign * K)/d(motion), with the
+        intensities K.
 
         With a condition on the ends only motions that keep it count; the open value adjusts to it.
         """
@@ -632,7 +642,7 @@ class DirectMotions(FreeEnds):
 
 
 def motions_of(state: State) -> DirectMotions | IteratedMotions:
-    """Relations between motions of ends and intensities, by a matrix or by iteration.
+    """Relations between motions of ends and changes of K, by a matrix or by iteration.
 
     They use iteration if the state was found by iteration.
     """

@@ -134,7 +134,7 @@ class Jumps(Kept):
 
     @cached_property
     def broken_at(self) -> Array:
-        """Positions of the jumps (`at`) and of the algebraic points."""
+        """Positions of the jumps (`at`) and of the points s of algebraic terms |x - s|^p."""
         points = () if self.algebraic is None else np.asarray(self.algebraic.at)
         return np.concatenate((self.at, points))
 
@@ -275,7 +275,7 @@ class Forcing(Kept):
 
     @property
     def logarithms(self) -> tuple[Array, Array]:
-        """(positions, heights) of jumps of the wanted density itself.
+        """(positions, heights) of jumps of the wanted density itself, not of its derivatives.
 
         The right side is logarithmic there.
         """

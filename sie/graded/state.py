@@ -107,7 +107,7 @@ class GradedState(Answered):
 
     @property
     def kept(self) -> Index:
-        """Number of coefficients of each zone (Z,)."""
+        """Number of Chebyshev coefficients of the density on each zone (Z,)."""
         return self.system.sizes
 
     @property
@@ -184,7 +184,7 @@ class GradedState(Answered):
         return out
 
     def _values(self, zone: int) -> Array:
-        """The density at the nodes of a zone; 0 where it is infinite."""
+        """Values of the density at the nodes of a zone, with 0 in place of infinite values."""
         values = self.density.on(zone, self.system.sources[zone])
         return np.where(np.isfinite(values), values, 0.0)
 
@@ -199,7 +199,7 @@ class GradedState(Answered):
 
     @property
     def noise(self) -> Array:
-        """Zeros, because `residuals` already contains the round-off of the right side."""
+        """Round-off of the right side, not yet contained in `residuals`: zero on each zone."""
         return np.zeros(len(self.density.zones))
 
     @cached_property
@@ -288,7 +288,7 @@ class GradedState(Answered):
         s is the graded coordinate on a zone.
 
         It is the sum of two relative errors: that of the density times sqrt(1 - t^2), and that of
-        the charges F_k. Next to a narrow gap the density may be orders of magnitude larger than on
+        the charges. Next to a narrow gap the density may be orders of magnitude larger than on
         the rest of the zones; charges are not.
         """
         errors, sizes, charges = self._errors
@@ -366,7 +366,7 @@ class GradedState(Answered):
 
 
 def _ratio(error: float, size: float) -> float:
-    """error / size, 0 where the size is 0."""
+    """The quotient error / size; 0 if the size is 0."""
     return float(error / size) if size > 0.0 else 0.0
 
 

@@ -134,7 +134,7 @@ class KnownJumps(Kept):
 
     @cached_property
     def _moments(self) -> Array:
-        """Chebyshev moments of the density, from which `series` sums its field far from the zone."""
+        """Chebyshev moments of the density, for `series`, which gives its field far away."""
         return self.moments(FAR_TERMS)
 
     def in_plane(self, points: InPlane, what: tuple[Array, Array, bool]) -> Complex:

@@ -22,7 +22,7 @@ from sie.states.state import AT_ENDS, residual_errors
 
 @dataclass(frozen=True)
 class SecondKindOptions:
-    """Numbers of modes of a zone, for equations with kappa."""
+    """Options: numbers of Chebyshev modes of a zone, for equations with kappa (second kind)."""
 
     # The first number of modes of a zone, unless near neighbours require more.
     first_modes: int = 16
@@ -152,7 +152,7 @@ class SecondKindState(Answered):
         return self._sizes_from(1)
 
     def _sizes_from(self, first: int) -> Array:
-        """The largest coefficient of each zone's density (Z,) from the order `first` on.
+        """Largest coefficient of the density on each zone (Z,), from the order `first` on.
 
         The densities of jumps count with their first Chebyshev coefficients.
         """
@@ -273,7 +273,8 @@ class SecondKindState(Answered):
         out = unit * self.solver.size_of_rows + np.abs(self.solver.last) @ self.missing
         slopes = np.abs(self._table) @ np.arange(self._table.shape[1])
         places = modes.place_rounding(zones, np.arange(len(zones))) * slopes
-        # Round-off of the residual, too, is multiplied by sin(theta), which is small near ends.
+        # Residuals are multiplied by sin(theta), which is small near ends. So their round-off is
+        # multiplied by sin(theta), too.
         rounding, sines = SUM_ROUNDING * self.zone_sizes, np.sin(self._near_ends[:, -1])
         residual = np.maximum(
             np.abs(self._residuals).max(axis=1) - rounding,
@@ -313,7 +314,7 @@ class SecondKindState(Answered):
         signs: Any = np.random.default_rng(0).standard_normal((self.solver.size, ERRORS.samples))
         signs[:, 0] = 1.0
         if self.density.zones.weight.is_complex:
-            # Each row errs in its real and in its imaginary part.
+            # The error of each row has a real and an imaginary part.
             signs = signs + 1j * np.random.default_rng(1).permuted(signs, axis=0)
         changes = self.solver(self._row_errors[:, None] * signs)
         weights = np.maximum(1.0, AT_ENDS * np.arange(self.system.layout.given.shape[1]))

@@ -94,32 +94,38 @@ class SlitGeometry(Kept):
 
     @cached_property
     def start(self) -> Array:
-        """Distance of each given zone's left end from the left end of its wide zone."""
+        """Distance of each zone's left end from the left end of the wide zone that contains it.
+        A wide zone joins several zones and the narrow gaps (slits) between them.
+        """
         return self.wide.beyond_a(self.pieces.a + self.shift, self.piece_zone) + self.cut_off[0]
 
     @cached_property
     def stop(self) -> Array:
-        """Distance of each given zone's right end from the left end of its wide zone."""
+        """Distance of each zone's right end from the left end of the wide zone that contains it.
+        A wide zone joins several zones and the narrow gaps (slits) between them.
+        """
         return self.wide.beyond_a(self.pieces.b + self.shift, self.piece_zone) + self.cut_off[1]
 
     @cached_property
     def rest(self) -> Array:
-        """Distance of each given zone's right end from the right end of its wide zone."""
+        """Distance of each zone's right end from the right end of the wide zone that contains it.
+        A wide zone joins several zones and the narrow gaps (slits) between them.
+        """
         return self.wide.before_b(self.pieces.b + self.shift, self.piece_zone) - self.cut_off[1]
 
     @cached_property
     def slit_before(self) -> Index:
-        """Index of the slit that ends where each given zone begins; -1 if there is none."""
+        """For each zone of the problem, the index of the slit on its left; -1 if there is none."""
         return self._slit_at(self.slits.b, self.pieces.a + self.shift)
 
     @cached_property
     def slit_after(self) -> Index:
-        """Index of the slit that begins where each given zone ends; -1 if there is none."""
+        """For each zone of the problem, the index of the slit on its right; -1 if there is none."""
         return self._slit_at(self.slits.a, self.pieces.b + self.shift)
 
     @cached_property
     def next_to_slit(self) -> Mask:
-        """Whether each given zone has a slit next to it."""
+        """Whether each zone of the problem has a slit (a narrow gap in a wide zone) next to it."""
         return (self.slit_before >= 0) | (self.slit_after >= 0)
 
     def _slit_at(self, ends: Array, at: Array) -> Index:
@@ -129,7 +135,8 @@ class SlitGeometry(Kept):
 
 
 def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> SlitGeometry | None:
-    """The geometry with narrow gaps as slits of wide zones; None if no gap can be a slit.
+    """The zones with narrow gaps treated as slits of wide zones; None if no gap can be a slit.
+    A wide zone joins several zones and the gaps between them.
 
     It is None if there are no narrow gaps, or if the equation does not allow slits. before: mask of
     the zones whose gap on the right was a slit in a previous solution on similar zones. For such a
@@ -200,8 +207,7 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
-    """Whether all zones share one constant of the potential.
-    There is then no condition for a single zone.
+    """Whether all zones share one potential constant, and no condition is about a single zone.
 
     Only with one common level does the slack integrate to zero over each slit. A user's own
     condition may be about single zones, and there are fewer wide zones than given ones.
@@ -212,7 +218,9 @@ def _one_level(conditions: Sequence[Condition]) -> bool:
 
 
 def _zero_intensities(pieces: Zones) -> bool:
-    """Whether each end of `pieces` either has no given intensity K, or is free with K = 0."""
+    """Whether each end of `pieces` either has no prescribed intensity K, or is free with K = 0.
+    K is the coefficient of 1 / sqrt(distance).
+    """
     return all(
         end.intensity is None or (end.moves and end.intensity == 0.0)
         for end in (*pieces.left, *pieces.right)
@@ -270,7 +278,9 @@ class Slit(Kept):
 
     @cached_property
     def theta(self) -> Array:
-        """Angles theta of the slit's Gauss nodes; t = cos(theta) is the wide zone's coordinate."""
+        """Angles theta of the slit's Gauss nodes x.
+        t = cos(theta) is the coordinate of x on the wide zone, which contains the slit.
+        """
         return self.angle(*chebyshev.gauss_sides(self.nodes))
 
     @cached_property
@@ -320,10 +330,9 @@ class Slit(Kept):
 
 def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
     """Transform (1/pi) int sigma(tau) / (t - tau) dtau, off the slit, of sigma on a slit.
-    d: Chebyshev series of sigma.
 
-    d: series of sigma. excess: |z| - 1 at the points, the distance from the slit in its half
-    widths; sign: 1 right of the slit, -1 left of it.
+    d: Chebyshev series of sigma. excess: |z| - 1 at the points, the distance from the slit in its
+    half widths; sign: 1 right of the slit, -1 left of it.
     """
     return transform_of(
         *chebyshev.bounded_part(d[None]),
@@ -408,7 +417,8 @@ class Slits(Kept):
     def _modes_needed(
         self, jumps: ForcingJumps, middle: Array, half: Array, nearest: Array, waves: Array
     ) -> Array:
-        """Number of modes after which the coefficients of each slit's series are at round-off.
+        """Number of modes that each slit's unknown function needs.
+        Its later Chebyshev coefficients are below round-off.
 
         It follows from the nearest singularities: far ends of the adjacent given zones, and jumps
         outside the slits. middle, half: middles and half widths of the slits, divided by the zone's
@@ -451,8 +461,8 @@ class Slits(Kept):
         """
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
-        # Jumps in other zones contribute nothing. Jumps in slits are not part of `rest`, since they
-        # are added as `kinks`.
+        # `rest`: the jumps on this wide zone outside its slits. Jumps in other zones contribute
+        # nothing, and jumps in slits are added as `kinks`.
         rest = jumps.chosen(
             np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
         )
@@ -493,7 +503,7 @@ class Slits(Kept):
 
     @cached_property
     def solve(self) -> Factored:
-        """The factorised matrix of the slits' equations.
+        """LU factors of the matrix of the equations for the unknown functions in all slits.
 
         Applied to their right sides, it gives the series coefficients d of all slits.
         """

@@ -31,7 +31,7 @@ class Answered(Kept):
     """Common base class of solutions with and without slits.
     A slit is a narrow gap that is treated as part of a wide zone.
 
-    They follow from `whole`, the state on zones without slits.
+    The members follow from `whole`, the solution in which no gap is a slit.
     """
 
     if TYPE_CHECKING:

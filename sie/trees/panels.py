@@ -38,8 +38,8 @@ Function = Callable[[Array, Array], Array]
 class PanelOptions:
     """Options of panels: equal parts of the line, for fast sums of a smooth kernel."""
 
-    # Largest number of panels, divided by the number of zones. If the kernel needs more, it is
-    # summed directly, unless the table of the matrices of all panels is small.
+    # Largest number of panels, divided by the number of zones. If the kernel needs more panels, its
+    # sums are computed directly, unless the table of matrices between panels is small.
     panels_per_zone: int = 8
     # Least number of zones for a skeleton, that is, interpolation of the kernel from a few source
     # points. It replaces panels if the kernel does not depend on x - xi alone.
@@ -149,11 +149,15 @@ class Panels(Kept):
         )
 
     def _few(self) -> Array:
-        """The matrices K^(d) between a panel and itself or its neighbours (lags d = -1, 0, 1)."""
+        """Chebyshev coefficients K^(d) of the kernel between neighbouring panels (d = -1, 0, 1).
+        d is the distance of the two panels, counted in panels.
+        """
         return self._made(False, -min(1, self.farthest), min(1, self.farthest) + 1)
 
     def _made(self, potential: bool, low: int, high: int) -> Array:
-        """The matrices K^(d) between panels at distances low <= d < high, counted in panels."""
+        """Chebyshev coefficients K^(d) of the kernel between panels at distances low <= d < high.
+        Distances are counted in panels.
+        """
         nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
         out = np.empty((high - low, TERMS, TERMS))
         with np.errstate(all="ignore"):  # values may overflow while panels are too long
@@ -198,7 +202,9 @@ class Panels(Kept):
         return self._tables[potential]
 
     def _all(self, potential: bool) -> Array:
-        """The matrices K^(d) between panels at all tabulated distances d, counted in panels."""
+        """Chebyshev coefficients K^(d) of the kernel between panels, for all tabulated distances d.
+        Distances are counted in panels.
+        """
         return self._made(potential, -self.farthest, self.farthest + 1)
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
@@ -213,7 +219,8 @@ class Panels(Kept):
         return np.asarray(fft.irfft(waves, length, axis=0)[: high - low + 1])
 
     def _waves(self, potential: bool, low: int, high: int) -> tuple[Complex, int]:
-        """(Fourier transform of the matrices K^(d) over the lag d, length of this transform).
+        """(Fourier transform of K^(d) over the distance d of panels, length of this transform).
+        K^(d) is the matrix of Chebyshev coefficients of the kernel between two panels.
 
         The lags are those from the sources to the panels low ... high.
         """
@@ -311,7 +318,7 @@ def _tail(blocks: Array) -> float:
 
 @record
 class Spread(Kept):
-    """Points on the panels, with the Chebyshev polynomials at each point.
+    """Points on panels, with the values of the panel's Chebyshev polynomials at each point.
 
     x: the points (n,); table: T_k at each of them (n, TERMS); groups: (panel, indices of its
     points) of each panel with points.

@@ -106,7 +106,7 @@ class Skeleton(Kept):
         return Seen(self, x)
 
     def shares(self, xi: Array) -> Array:
-        """Values (n, r) of the r interpolating functions P_j at sources xi (n,)."""
+        """Values (n, r), at xi (n,), of the functions P_j that interpolate from r sources."""
         functions = _functions(self.kernel)
         rows = np.empty((len(self.x_of_row), len(xi)))
         for number, function in enumerate(functions):
@@ -139,7 +139,7 @@ class Seen:
 
     @cached_property
     def as_sources(self) -> Array:
-        """Values (n, r) of the r interpolating functions P_j at the points."""
+        """Values (n, r), at the points, of the functions P_j that interpolate from r sources."""
         return self.skeleton.shares(self.x)
 
     def as_targets(self, potential: bool) -> Array:
@@ -156,7 +156,9 @@ class Seen:
 
 
 def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
-    """The skeleton of the kernel's regular part on the zones; None if its rank is too high."""
+    """The skeleton of the kernel's regular part on the zones; None if it would be too large.
+    It interpolates the kernel from a few source positions; their number is the kernel's rank.
+    """
     # The search takes longest if it fails because the rank is too high. So a failure is stored, and
     # the search is not repeated for the same number of zones.
     key, too_high = zones.table.tobytes(), ("rank", len(zones))
