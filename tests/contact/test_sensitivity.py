@@ -544,10 +544,10 @@ class NarrowBumps(contact.Profile):
 def test_bumps_that_are_narrow_and_far_apart_have_derivatives(width: float) -> None:
     """The adjoint equation against that of each height, which needs no field far from a zone."""
     shape = NarrowBumps(0.05 * width * np.array([1.0, 1.02, 1.01]), width)
-    scene = isolated(shape, load=3e6 * width)
+    scene = isolated(shape, load=3e5 * width)
     by = contact.sensitivity(contact.solve(scene, 1e-10))
     assert len(by.solution.zones) == 3
-    for number in ("max_pressure", "load", "stiffness"):
+    for number in ("max_pressure", "approach", "stiffness"):
         table = by.of(number, "profile.heights")
         single = np.array([by.of(number, f"profile.heights[{k}]").value for k in range(3)])
         assert np.abs(table.value - single).max() <= 1e-9 * np.abs(single).max()
