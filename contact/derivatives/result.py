@@ -285,7 +285,7 @@ class Sensitivity(sie.Kept):
         return Functionals(self.linearized)
 
     def of_tops(self, to: str) -> Array:
-        """Derivatives (entries, k) of the pressure at the places of largest pressure, without error.
+        """Derivatives (entries, k) of the pressure where it is largest, without error.
 
         to: the name of data of the scene; a number counts as one entry.
         """

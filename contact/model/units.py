@@ -25,8 +25,8 @@ def scaled(magnitude: float, unit: str) -> tuple[float, str]:
     """Factor and multiple of a unit that bring a magnitude to between 1 and 1000.
 
     They are 1 and the unit itself for zero, for numbers that are not finite, and for numbers
-    below a thousandth of the smallest multiple. Only multiples that people use are chosen, so that the largest of
-    them may leave values above 1000.
+    below a thousandth of the smallest multiple. Only multiples that people use are chosen, so that
+    the largest of them may leave values above 1000.
 
     Examples
     --------

@@ -105,7 +105,7 @@ def _draw_pressures(axes: Any, solved: dict[str, Solution], styles: Styles) -> N
 
 
 def _draw_differences(axes: Any, attempts: list[Attempt], exact: Solution, styles: Styles) -> None:
-    """Draw the pressure error relative to the largest exact one, at sample points of both solutions."""
+    """Draw the pressure error relative to the largest pressure, at sample points of both."""
     column, scale = _stretch(exact), top_pressure(exact)
     lo, hi = column.lo, column.hi
     for attempt in attempts:
