@@ -1,4 +1,4 @@
-"""Compiled loops (`sie.loops`) for large sums, loaded when they pay, and run in several threads.
+"""Compiled loops (`sie.loops`) for large sums: when they are loaded, how they use threads.
 
 numba stores the compiled code on the disk: beside the package or in a folder of the user's, or in
 `NUMBA_CACHE_DIR`. The loops release Python's global lock. They run in ordinary threads that end

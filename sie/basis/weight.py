@@ -1,4 +1,4 @@
-"""The weight of a density on a zone: its exponents, and what follows from the exponents alone.
+"""Exponents of a density at the ends of zones, and scales that follow from the exponents.
 
 On a zone of half width w let t = -1 ... 1 be the coordinate. At a small distance d from an end a
 density is K d^(-p) + A d^(1-p), with the intensity K and the edge slope A. For an equation of the
@@ -70,7 +70,7 @@ class Weight:
 
     @property
     def numbers(self) -> Any:
-        """The type of the values of densities, float or complex."""
+        """The Python type of the values of densities: complex if kappa is complex, else float."""
         return complex if self.is_complex else float
 
     @property
@@ -125,7 +125,7 @@ class Weight:
         return -change / ((1 - self.exponent) * move)
 
     def of(self, kept: Index) -> "Weight":
-        """The weight of the zones that `kept` selects."""
+        """The exponents of the zones with the indices `kept` alone, as a `Weight`."""
         return self if self.kappa is None else Weight(self.kappa[kept])
 
 

@@ -542,7 +542,9 @@ class System(Rows):
         return self.levels()[1]
 
     def level_changes(self, y: Array) -> Array:
-        """The part of the zones' `levels` that is linear in the unknowns y."""
+        """The part of the zones' `levels` that is linear in the unknowns y.
+        The level of a zone is the mean of the potential minus the primitive of g.
+        """
         return np.asarray(self.levels()[0] @ y)
 
     @property

@@ -157,7 +157,9 @@ class AppliedMotions(Applied):
 
 
 class FreeEnds:
-    """The free ends of a state as pairs (side, zone); of symmetric zones, only the right half."""
+    """The free ends of a solution as pairs (side, zone).
+    Of symmetric zones, only those in the right half are listed.
+    """
 
     def __init__(self, state: State | SecondKindState) -> None:
         zones = state.density.zones
@@ -244,9 +246,8 @@ class IteratedMotions(FreeEnds):
 
     @cached_property
     def _local(self) -> Array:
-        """For each zone, the inverse (Z, 2, 2) of the matrix from end motions to intensities.
-
-        The matrix gives the two intensities of a zone that motions of its two ends cause.
+        """For each zone, the inverse (Z, 2, 2) of a matrix from motions of its ends to intensities.
+        The matrix gives the two intensities K of the zone that motions of its two ends cause.
         """
         out = np.zeros((len(self.zones), 2, 2))
         for side in (0, 1):
@@ -283,8 +284,7 @@ class IteratedMotions(FreeEnds):
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
         """(changes of the free ends' intensities, changes of the levels) by motions d of ends.
-
-        The levels are the constants of the potential on the solved zones. The values of the side
+        The level of a zone is the constant of the potential on it. The values of the side
         conditions do not change.
         """
         rows, own = self._applied(np.zeros(self.solver.size), d)
@@ -435,7 +435,8 @@ class EndRates:
 
 
 def end_rates(state: State) -> EndRates:
-    """Compute the derivatives in `EndRates`, for motions of the free ends of a solved state.
+    """The derivatives, by motions of free ends, of intensities K and levels of a solution.
+    The level of a zone is the constant of the potential on it.
 
     Parameters
     ----------

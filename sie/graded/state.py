@@ -143,7 +143,7 @@ class GradedState(Answered):
         return self.system.unfold(self.solver(right))
 
     def with_value(self, condition: int, change: float) -> GradedState:
-        """The state after the value of one side condition has changed by `change`."""
+        """The solution after the value of one side condition has changed by `change`."""
         values = self.values(condition, change)
         density = replace(self.density, unknowns=self.density.unknowns + self._answer(values))
         return replace(self, density=density, value_changes=self.value_changes + values)
@@ -160,11 +160,13 @@ class GradedState(Answered):
         """
         return np.asarray(self.system.levels()[0] @ self._answer(values))
 
-    # The methods below estimate errors of the solution. Charges are values of the function F, which
-    # is the density times sqrt(1 - s^2) dx/ds.
+    # The methods below estimate errors of the solution. Charges are values of the function phi
+    # sqrt(1 - s^2) dx/ds, with the density phi and the graded coordinate s.
     @cached_property
     def tails(self) -> Array:
-        """Largest of the last four coefficients of each zone, over the zone's largest one (Z,)."""
+        """Largest of the last four coefficients of each zone (Z,), over its largest coefficient.
+        It shows whether there are enough modes.
+        """
         c, out = np.abs(self.density.divided), np.zeros(len(self.density.zones))
         for zone, n in enumerate(self.system.sizes.tolist()):
             out[zone] = _ratio(c[zone, n - 4 : n].max(), c[zone].max())
@@ -190,7 +192,9 @@ class GradedState(Answered):
 
     @property
     def natural(self) -> Array:
-        """The largest coefficient of each zone's series except the first, which is the total."""
+        """Largest coefficient of each zone's series except the first one.
+        The first coefficient gives the total of the density.
+        """
         return np.asarray(np.abs(self.density.coefficients[:, 1:]).max(axis=1, initial=0.0))
 
     @property

@@ -1,4 +1,4 @@
-"""Parts of the density in closed form, for an equation with kappa: jumps of g, values at ends.
+"""Closed-form parts of the density for an equation with kappa: jumps of g, values at ends.
 
 If g, or its derivative of the order k, jumps by J at a place s of a zone, the density contains
 
@@ -37,7 +37,7 @@ Number = NDArray[Any]
 
 @record
 class KnownJumps(Kept):
-    """The jumps, on one zone, of g (`order` 0) or of the derivative of g of the order k = `order`.
+    """Jumps on one zone: of g (`order` 0), or of the derivative of g of the order k = `order`.
 
     x: their places; closed: their closed forms; factors: J w^k / k! (see the head of this module).
     Far from the zone all its jumps together are one series of Chebyshev moments.
@@ -98,7 +98,7 @@ class KnownJumps(Kept):
         return self._off_zone(points, lambda at: self._near_transform(at, self.order), series)
 
     def potential(self, points: Outside) -> Array:
-        """Potential divided by the half width w, at real points off the zone, of any shape."""
+        """Potential of the density, divided by the half width w, at real points off the zone."""
 
         def near(at: Outside) -> Array:
             rest = self.closed.weighted.potential_of(self._by_parts, at)
@@ -138,7 +138,7 @@ class KnownJumps(Kept):
         return self.moments(FAR_TERMS)
 
     def in_plane(self, points: InPlane, what: tuple[Array, Array, bool]) -> Complex:
-        """Transform, or its slope by zeta, at complex points (P,).
+        """Transform of the density, or its derivative by zeta, at complex points (P,).
 
         what: ((x - s) / w for points and jumps (P, places), y / w, whether the slope is wanted).
         """
@@ -159,7 +159,9 @@ class KnownJumps(Kept):
         return float(self.closed.powers(self.order + 1)[-1] @ self.factors)
 
     def edge_slopes(self) -> tuple[float, float]:
-        """Edge slopes A at the left and the right end, for the half width 1."""
+        """Edge slopes A of the density at the left and the right end, for the half width 1.
+        A is the coefficient of distance^(1 - p), with the exponent p of the end.
+        """
         left, right = self.closed.edge_slopes(self.order)
         return float(left @ self.factors), float(right @ self.factors)
 

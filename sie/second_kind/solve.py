@@ -36,8 +36,8 @@ def solve_second_kind(
     sizes = first_sizes(equation, zones, tolerance) if sizes is None else sizes
     least = np.maximum(sizes.least, OPTIONS.first_modes)
     m = modes.coupled(zones, equation.kernel, tolerance, least)
-    # Ends with prescribed intensities need derivatives by differences, two solves for each free
-    # end.
+    # Moving ends with prescribed intensities need derivatives by the ends, which are finite
+    # differences of two solutions for each end.
     solves = int(zones.moves.sum()) if zones.follow_ends else 1
     if zones.follow_ends and solves * np.sum(m + 1) > 4 * OPTIONS.max_unknowns:
         raise TooLarge(
@@ -66,7 +66,9 @@ def solve_second_kind(
 
 
 def solve_moved(state: SecondKindState, outward: Array) -> SecondKindState:
-    """The state, with the same numbers of modes, after outward motions (2, Z) of the ends."""
+    """The solution on zones whose ends are moved outward by `outward` (2, Z).
+    The numbers of modes do not change.
+    """
     zones, m = state.density.zones.moved(outward), state.system.layout.m
     return _solve_once(state.equation, zones, m, state.sizes, None)
 

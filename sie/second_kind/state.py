@@ -121,7 +121,7 @@ class SecondKindState(Answered):
         return right
 
     def with_value(self, condition: int, change: float) -> Self:
-        """The state after a change of the value of one side condition."""
+        """The solution after the value of one side condition has changed by `change`."""
         y = self.unknowns + self.solver(self._right_of(self.values(condition, change)))
         return replace(self, unknowns=y, density=density_of(self.system, y))
 
@@ -148,7 +148,9 @@ class SecondKindState(Answered):
 
     @cached_property
     def natural(self) -> Array:
-        """Largest |c_n|, n > 0, of each zone's density (Z,); c_0 gives the zone's total."""
+        """Largest coefficient |c_n|, n > 0, of the density on each zone (Z,).
+        c_0 is left out: it is given by the total of the density.
+        """
         return self._sizes_from(1)
 
     def _sizes_from(self, first: int) -> Array:
@@ -173,7 +175,7 @@ class SecondKindState(Answered):
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of each moving end due to truncated series, relative to its zone's width (Z, 2)."""
+        """Error of each moving end (Z, 2) due to truncated series, over the width of its zone."""
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         steps = zones.weight.end_step(self.intensity_truncation, np.maximum(slopes, 1e-300))
@@ -206,7 +208,9 @@ class SecondKindState(Answered):
 
     @cached_property
     def tails(self) -> Array:
-        """Largest of each zone's last coefficients, relative to the zone's largest one (Z,)."""
+        """Largest of the last coefficients of each zone (Z,), divided by its largest coefficient.
+        It shows whether there are enough modes.
+        """
         last = [np.abs(self._table[i, : m + 1][-OPTIONS.last :]).max() for i, m in self._modes]
         return np.array(last) / np.where(self.zone_sizes > 0, self.zone_sizes, 1.0)
 
@@ -232,7 +236,9 @@ class SecondKindState(Answered):
 
     @cached_property
     def _residuals(self) -> Array:
-        """Left side minus right side at points between the nodes, times sin(theta) (Z, points)."""
+        """Residual of the equation at points between the nodes, times sin(theta): (Z, points).
+        The residual is the left side minus the right side.
+        """
         return self._residuals_at(np.broadcast_to(THETA, (len(self.density.zones), LOOKS)))
 
     @cached_property
@@ -254,7 +260,9 @@ class SecondKindState(Answered):
         return np.asarray(np.exp2([-1, 0, 1]) / np.maximum(self.system.layout.m, 2)[:, None])
 
     def _residuals_at(self, theta: Array) -> Array:
-        """Left side minus right side at the angles theta (Z, points), times sin(theta)."""
+        """Residual of the equation at the angles theta (Z, points), times sin(theta).
+        The residual is the left side minus the right side.
+        """
         targets = targets_at(self.density.zones, theta)
         found = self.system.left_side(targets) @ self.unknowns - self.system.right_side(targets)
         return np.asarray(found.reshape(theta.shape) * np.sin(theta))

@@ -42,7 +42,7 @@ class Answered(Kept):
         def whole(self) -> Solved: ...
 
     def with_bounded_ends(self) -> Self:
-        """The same state with a density that has no terms in 1/sqrt(distance) at its free ends."""
+        """The same solution, but its density has no terms in 1/sqrt(distance) at free ends."""
         return replace(self, density=self.density.with_bounded_ends())  # type: ignore[type-var]
 
     @property
@@ -78,7 +78,7 @@ class Answered(Kept):
 
     @property
     def coupled(self) -> int:
-        """Number of unknowns of the system in which all zones are coupled and solved together."""
+        """Number of unknowns of the linear system for all zones together."""
         return int(self.whole.solver.size)
 
     @property
@@ -120,7 +120,7 @@ class Solved(Answered):
         return self.homogeneous(self.response_unknowns(values, tolerance))
 
     def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
-        """The unknowns of the density `response`, in the order of the system's columns."""
+        """Changes of the unknowns if the side conditions' values change by `values`."""
         right, iteration = self.right_of(values), self.iteration
         return self.symmetry.unfold(
             self.solver(right) if iteration is None else iteration(right, None, tolerance)
@@ -133,7 +133,7 @@ class Solved(Answered):
         return right
 
     def with_value(self, condition: int, change: float) -> Self:
-        """The state after a change of the value of one side condition."""
+        """The solution after the value of one side condition has changed by `change`."""
         folded = self.folded_unknowns + self.solver(self.right_of(self.values(condition, change)))
         unknowns = self.symmetry.unfold(folded)
         return replace(
@@ -170,7 +170,9 @@ class Solved(Answered):
 
     @cached_property
     def natural(self) -> Array:
-        """The largest coefficient of each zone's density except c_0, which gives the total."""
+        """Largest coefficient of the density on each zone, without c_0.
+        c_0 is given by the total of the density on the zone.
+        """
         return coefficient_sizes(self.density, 1)
 
     @property

@@ -368,7 +368,7 @@ def _state(
 
 
 def rows_of(state: State) -> Array:
-    """The matrix with which the state was solved, with one column for each unknown solved for."""
+    """The matrix of the linear system of a solution, with a column for each unknown solved for."""
     direct = state.direct
     return (
         direct.rows
