@@ -98,7 +98,7 @@ class Kernel(Kept):
 
     @property
     def grows(self) -> bool:
-        """Whether a zone's number of modes must grow until the modes resolve the regular part."""
+        """Whether modes must be added to zones until they resolve the kernel's regular part."""
         return self.regular is not None and not self.sure
 
     @cached_property
@@ -164,7 +164,7 @@ class Kernel(Kept):
 
     @property
     def _rest(self) -> "Smooth":
-        """The regular part as a `Smooth` kernel."""
+        """The regular part of this kernel, as a `Smooth` kernel."""
         assert self.regular is not None
         return Smooth(
             self.regular, self.regular_potential, self.regular_slope, self.of_lag, self.length
@@ -246,7 +246,7 @@ class Smooth:
 
     @property
     def _parts(self) -> "tuple[Regular | None, Regular | None, Regular | None]":
-        """The functions (value, potential, slope) of this kernel."""
+        """The functions (value, potential, slope) of this kernel, or None for those not given."""
         return self.value, self.potential, self.slope
 
     def _combined(self, other: "Smooth", weight: float) -> "Smooth":

@@ -39,7 +39,7 @@ def alphas(kappa: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
 
 
 def power(base: Array, exponent: complex) -> NDArray[Any]:
-    """base^exponent for base >= 0.
+    """The power base^exponent for base >= 0, also for base = 0 with a complex exponent.
 
     At base = 0 it is zero if the real part of the exponent is positive, else infinite, or for a
     complex exponent not a number.
@@ -50,7 +50,7 @@ def power(base: Array, exponent: complex) -> NDArray[Any]:
 
 @dataclass(frozen=True, eq=False)
 class Weight:
-    """The exponents of a density at the ends of zones.
+    """The exponents p of a density at ends of zones: it may grow there as distance^(-p).
 
     kappa: the factor of the density in the equation, one for each zone, all real or all complex;
     None for an equation of the first kind.

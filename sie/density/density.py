@@ -142,7 +142,7 @@ class Density(Series):
         return self.plane.with_slope(points)
 
     def _on_line(self, x: Array, potential: bool) -> Array:
-        """Transform or potential of all zones at real x, summed directly or by a tree."""
+        """Transform or potential at real x, as a sum over zones, computed directly or by a tree."""
         flat = self.into_period(x).ravel()
         regular = self.kernel.regular_potential if potential else self.kernel.regular
         zone, shift = (
@@ -167,7 +167,7 @@ class Density(Series):
 
     @cached_property
     def treecode(self) -> Treecode | None:
-        """Fast sums over zones for many points; None if the kernel does not allow such sums."""
+        """Fast sums of the zones' fields at many points; None if the kernel does not allow them."""
         return Treecode(self) if reaches(self.kernel, self.zones) else None
 
     @property

@@ -95,7 +95,7 @@ class DensityJumps(ForcingJumps):
         """The jumps of the density itself only."""
         return replace(self.chosen(self.order == 0), poles=NO_POLES)
 
-    # The methods below give the parts of the right side that come from the jumps.
+    # The methods below give parts of the right side that jumps of the density cause.
     def smooth_part(self, zone: Index, left: Array) -> Array:
         out = -self._higher.carried(zone, left)
         if self.logarithms is not None:
@@ -108,7 +108,7 @@ class DensityJumps(ForcingJumps):
     def mean_offsets(self, zones: Zones) -> Array:
         raise ValueError("a condition on potentials is for right sides without logarithms")
 
-    # The methods below give the density that the jumps cause.
+    # The methods below give the part of the density that has the jumps.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
         """Integral of each jump's density from the left end, divided by half width * height / pi.
 
@@ -145,7 +145,7 @@ class DensityJumps(ForcingJumps):
             out[zone] = spline.t_coefficients(_POTENTIAL_TERMS)
         return out
 
-    # The methods below give potentials of the jumps.
+    # The methods below give potentials of the densities of jumps.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
         """Potential of jumps, poles and nearby logarithms, divided by the half width w.
         The term c_0 log(w) is left out, where c_0 is the integral of the density, divided by pi w.

@@ -33,7 +33,7 @@ class JumpOptions:
 
     @property
     def far_terms(self) -> Index:
-        """Number of terms with which the series reaches round-off at each value of `far_rho`."""
+        """Number of terms of the series whose last term is round-off at |rho| = each `far_rho`."""
         return np.ceil(DIGITS / -np.log(self.far_rho)).astype(np.intp)
 
 
@@ -106,13 +106,16 @@ class PlacedJumps(PerZone):
 
     def turn(self, k: Index, away: Array) -> Array:
         """The factor of (t - s)^q in the transform at points t on the zone, for a jump at s.
+        q: order of the jump.
 
         away: t - s.
         """
         return np.where(away > 0, self.psi[k], -self.phi[k])
 
     def turn_off(self, k: Index, rho: Array) -> Array:
-        """The factor of (z - s)^q in the transform at points z off the zone, for a jump at s."""
+        """The factor of (z - s)^q in the transform at points z off the zone, for a jump at s.
+        q: order of the jump.
+        """
         return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
@@ -123,24 +126,27 @@ class PlacedJumps(PerZone):
             np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k]
         )
 
-    # The methods below give density, transform and potential of jumps k, divided by `height` / pi.
+    # The methods below give the density that jumps k cause, its transform and its potential,
+    # divided by `height` / pi.
     def on_zone(self, k: Index, left: Array) -> Array:
-        """Transform of jumps k at points on the zone, divided by (height / pi)."""
+        """Transform, on the zone, of the densities of jumps k, divided by (height / pi)."""
         away = left - self.left[k]
         return self.turn(k, away) * power(away, self.order[k]) - self.polynomial(k, left - 1)
 
     def off_zone(self, k: Index, z: Array, rho: Array) -> Array:
-        """Transform of jumps k at points off the zone, divided by (height / pi)."""
+        """Transform, off the zone, of the densities of jumps k, divided by (height / pi)."""
         return power(z - self.s[k], self.order[k]) * self.turn_off(k, rho) - self.polynomial(k, z)
 
     def of_density(self, k: Index, left: Array, right: Array) -> Array:
-        """Density (t - s)^q kappa(t) of jumps k at s, of order q (see `kappa`)."""
+        """Density (t - s)^q kappa(t) of jumps k at s, of order q.
+        kappa is the logarithm in the function `kappa`.
+        """
         away, q = left - self.left[k], self.order[k]
         with np.errstate(invalid="ignore"):
             return np.where((away == 0) & (q > 0), 0.0, power(away, q) * self.shape(k, left, right))
 
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral of the density by t from the left end; only for jumps of order 0.
+        """Integral over t, from the left end, of the densities of jumps k; for order 0 only.
 
         The integral of kappa is (t - s) kappa - theta sin(phi).
         """
@@ -156,7 +162,8 @@ class PlacedJumps(PerZone):
             ] * theta(right, left)
 
     def potential_on(self, k: Index, left: Array, right: Array) -> Array:
-        """Potential of jumps k on the zone, divided by w h / pi (half width w, height h).
+        """Potential of the densities of jumps k on the zone, divided by w h / pi.
+        w: half width of the zone; h: height of the jump.
 
         It lacks the term c_0 log(w), where c_0 is the integral of the density, divided by pi w.
         """
@@ -166,7 +173,8 @@ class PlacedJumps(PerZone):
         )
 
     def potential_off(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of jumps k off the zone, divided by w h / pi (half width w, height h).
+        """Potential of the densities of jumps k off the zone, divided by w h / pi.
+        w: half width of the zone; h: height of the jump.
 
         It lacks the term c_0 log(w), where c_0 is the integral of the density, divided by pi w.
         """
@@ -223,7 +231,8 @@ class PlacedJumps(PerZone):
         return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))
 
     def coefficients(self, k: Index, row: Index, rows: int, count: int) -> Array:
-        """Coefficients (rows, count) of T_l / sqrt(1 - t^2), summed over the jumps of each row.
+        """Coefficients (rows, count) of T_l / sqrt(1 - t^2) in the density of jumps.
+        A row is the sum over those jumps k whose `row` is its index.
 
         (t - s)^q is expanded in powers of t, so that each row, not each jump, is multiplied by t.
         """

@@ -245,7 +245,7 @@ class Panels(Kept):
 
     @property
     def size(self) -> int:
-        """Number of moments of all panels together."""
+        """Number of moments of all panels together: `TERMS` moments for each panel."""
         return self.count * TERMS
 
     def spread(self, x: Array) -> Spread:
