@@ -123,7 +123,7 @@ def regular_values(kernel: Kernel, x: Array, xi: Array, potential: bool = False)
 
 
 def _table(kernel: Kernel, potential: bool, reach: float, pairs: int) -> LagTable | None:
-    """A table of the regular part for |x - xi| <= `reach`; None if a table would not be faster.
+    """Table of the kernel's regular part for |x - xi| <= `reach`; None if a table is not faster.
 
     It is None if making it would cost more than the direct evaluation of the pairs, or if there is
     no accurate table.

@@ -53,8 +53,8 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
     if plain.sum() <= OPTIONS.min_plain_unknowns:
         return False
     unknowns = int(first_sizes(gradings_of(zones, equation.kernel)).sum())
-    # Estimate for plain coordinates with the largest number of modes: the relative size of the last
-    # coefficient of the field that a zone causes across the narrowest gap.
+    # Estimated error if coordinates are not graded: the relative size of the last coefficient, for
+    # the largest number of modes, of the field that a zone causes across the narrowest gap.
     left = np.exp(-modes.OPTIONS.max_modes * modes.decay(zones, equation.kernel).min())
     if unknowns > OPTIONS.max_unknowns and left > modes.OPTIONS.nearly_decayed:
         raise TooLarge(

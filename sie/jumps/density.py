@@ -42,8 +42,8 @@ from sie.jumps.right_side import ForcingJumps, on_circle
 from sie.jumps.spline import OPTIONS as SPLINES
 from sie.jumps.spline import QuadraticSpline
 
-# Number of Chebyshev coefficients c_l for the potential of a spline that is part of the density.
-# The coefficients decrease as l^-3.
+# Number of Chebyshev coefficients c_l with which the potential of a spline, as part of the density,
+# is computed. The coefficients decrease as l^-3.
 _POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 
 
@@ -220,7 +220,9 @@ class DensityJumps(ForcingJumps):
         return self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """theta for t > s and theta - pi for t < s, at points t = cos(theta), with a jump at s."""
+        """The factor eta of a density (t - s)^q eta with a jump at s, at points t = cos(theta).
+        eta is theta for t > s and theta - pi for t < s.
+        """
         away, from_right, from_left = left - self.left[k], theta(left, right), theta(right, left)
         return np.where(
             away == 0, 0.5 * (from_right - from_left), np.where(away > 0, from_right, -from_left)

@@ -191,7 +191,7 @@ class PlacedJumps(PerZone):
         )
 
     def potential_of(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
-        """The potentials of jumps k in closed form, at real or complex points.
+        """The potentials of the densities of jumps k, in closed form, at real or complex points.
 
         away: z - s; turn, grown, root: the functions F, A and B of `sie.jumps.right_side`.
         """
@@ -207,7 +207,7 @@ class PlacedJumps(PerZone):
         return out
 
     def _potential(self, q: int, k: Index, parts: tuple[Any, ...]) -> Any:
-        """The potential, in closed form, of jumps k that all have the order q."""
+        """The potentials, in closed form, of the densities of jumps k that all have the order q."""
         away, z, turn, grown, root = parts
         s, sine = self.s[k], self.sine[k]
         if q == 0:
@@ -289,7 +289,8 @@ def raised(away: Any, q: int) -> Any:
 
 
 def of_sines(beta: Array) -> Array:
-    """Coefficients of T_l / sqrt(1 - t^2), l >= 0, from coefficients of sin(j theta), j >= 1.
+    """Coefficients of T_l / sqrt(1 - t^2), l >= 0, from those of sin(j theta), j >= 1.
+    Both series describe the same function of t = cos(theta).
 
     The sum acts along the last axis.
     """

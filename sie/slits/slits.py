@@ -56,9 +56,9 @@ class SlitOptions:
     # becomes a slit below `max_gap` divided by this factor. Without this hysteresis, slits come and
     # go in every Newton step.
     hysteresis: float = 1.5
-    # Largest width of a gap that contains an algebraic point or a jump of the right side's second
-    # derivative, relative to the narrower adjacent zone. This limit is stricter than `max_gap`,
-    # because a spline may have hundreds of such jumps.
+    # Largest width of a slit that contains a jump of the second derivative of g, or a point s of a
+    # term |x - s|^p in g. The width is divided by that of the narrower adjacent zone. This limit is
+    # stricter than `max_gap`, because a spline may have hundreds of such jumps.
     max_gap_with_jumps: float = 0.003
     # Largest number of Chebyshev modes of the unknown function in one slit.
     max_modes: int = 512
@@ -228,7 +228,7 @@ def _zero_intensities(pieces: Zones) -> bool:
 
 
 def _jumps_inside(equation: Equation, pieces: Zones, after: Array) -> Mask:
-    """Whether each gap has an algebraic point, or a jump of the right side's 2nd derivative."""
+    """Whether each gap has a jump of the second derivative of g, or a term |x - s|^p at s in it."""
     jumps = equation.forcing.jumps
     at = jumps.at[np.asarray(jumps.orders) > 1] if not jumps.of_density else np.zeros(0)
     if jumps.algebraic is not None:

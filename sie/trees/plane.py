@@ -12,10 +12,10 @@ from sie.basis.kernels import Kernel, Regular
 from sie.basis.sums import OPTIONS as SUMS
 from sie.trees.tree import SEPARATION, TERMS, Tree
 
-# A point is far from a tree node if its distances from the ends of the node have at least this sum,
-# in half widths: it is on an ellipse about the node, or beyond. Then |rho|, with rho = zeta -
-# sqrt(zeta^2 - 1) and the position zeta from the middle in half widths, is so small that the field
-# of the node follows from its first TERMS moments.
+# A point is far from a tree node (an interval) if the sum of its distances from the two ends of the
+# node, divided by the node's half width, is at least this number. Such points lie on or outside an
+# ellipse about the node. There |rho|, with rho = zeta - sqrt(zeta^2 - 1) and zeta = (z - middle) /
+# half width, is so small that the first TERMS moments of the node give its field.
 _FAR = 2 * (1 + SEPARATION)
 
 
