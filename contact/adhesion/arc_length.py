@@ -26,13 +26,15 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class ArcOptions:
-    """Options of the steps along the curve; arc lengths are in units of zone widths."""
+    """Options of the steps along a curve of equilibria; arc lengths are in units of zone widths."""
 
-    # This number bounds three quantities of a step: its length in zone widths, the angle [rad]
-    # between the tangents at its ends, and the predictor's relative deviation from the tangent.
+    # Upper bound of three quantities of a step: its length in zone widths, the angle [rad] between
+    # the curve's tangents at both ends of the step, and the deviation of the predictor from the
+    # tangent, divided by the length.
     longest_step: float = 0.5
-    # `Step._about` interpolates at no more than this many known equilibria. After failed solves,
-    # `Step.at` halves the distance to a known equilibrium at most this many times.
+    # Largest number of known equilibria from which `Step._about` interpolates. It is also the
+    # largest number of times that `Step.at`, after failed solves, halves the distance to a known
+    # equilibrium.
     interpolation_nodes: int = 3
 
 
@@ -41,7 +43,7 @@ ARC_OPTIONS = ArcOptions()
 
 @record
 class CurvePoint:
-    """An equilibrium on the curve, with its tangent.
+    """An equilibrium on a curve of equilibria, with the tangent of the curve there.
 
     scales: units of the motions of the ends and of the control (2n + 1,). tangent: unit vector
     (2n + 1,). curvature: coefficients of the square and the cube of the length in the
@@ -54,7 +56,9 @@ class CurvePoint:
     curvature: Array
 
     def ahead(self, length: float) -> Array:
-        """Predicted motions (2n + 1,) of ends and control at a `length`, in units of `scales`."""
+        """Predicted changes of the 2n ends and the control (2n + 1,), at the arc length `length`.
+        The changes are divided by `scales`, the units of ends and control.
+        """
         deviation = length**2 * self.curvature[0] + length**3 * self.curvature[1]
         return np.asarray(
             length * self.tangent
@@ -71,7 +75,9 @@ class CurvePoint:
         return float(self.tangent[-1])
 
     def moved(self, to: State) -> Array:
-        """Displacement (2n + 1,) from this equilibrium to the state `to`, divided by the scales."""
+        """Changes of ends and control (2n + 1,) from this equilibrium to the state `to`.
+        They are divided by `scales`, the units of ends and control.
+        """
         return np.append(outward(self.at.table, to.table), to.value - self.at.value) / self.scales
 
     def length(self, to: State) -> float:
@@ -120,7 +126,9 @@ class Step:
         return found
 
     def _about(self, length: float) -> Array:
-        """Guess of the scaled displacement at `length`, interpolated between known equilibria.
+        """First guess of the changes of ends and control at the arc length `length`.
+        It is interpolated between known equilibria of the step. The changes are divided by
+        `start.scales`.
 
         A cubic with the tangents at both ends of the step is corrected to pass through these
         equilibria.
@@ -147,7 +155,10 @@ class Step:
         )
 
     def _cubic(self, length: float) -> Array:
-        """Scaled displacement at `length`, on the cubic with the tangents at both step ends."""
+        """Changes of ends and control at the arc length `length`, by cubic interpolation.
+        The cubic has the curve's positions and tangents at both ends of the step. The changes are
+        divided by `start.scales`.
+        """
         square, cube = self._leaves
         return np.asarray(length * self.start.tangent + length**2 * square + length**3 * cube)
 
@@ -161,7 +172,7 @@ class Step:
 
     @property
     def lets_go(self) -> bool:
-        """Whether the curve stops after this step, because ends of intervals jump off corners."""
+        """Whether the curve stops after this step, as ends of intervals jump off sharp corners."""
         return self.after is not None and self.after.growth > ACCURACY.neutral
 
     @property
@@ -197,7 +208,9 @@ class Step:
         )
 
     def _rising(self, at: State) -> float:
-        """Derivative, at a state, of the scaled control by the length along `start.tangent`."""
+        """Derivative of the scaled control along the curve, at the state `at`.
+        The length is measured along `start.tangent`, the tangent at the start of the step.
+        """
         tangent = _tangent(at, self.start.scales)
         return float(tangent[-1] / (tangent @ self.start.tangent))
 
@@ -300,15 +313,15 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
         if step.lets_go:
             why = "an end that was held at a sharp corner has let go"
             break
-        # Several steps in a row of almost zero length end the curve. Otherwise an end at a corner
-        # could be pinned and freed again and again.
+        # Several steps in a row of almost zero length end the curve, because an end at a sharp
+        # corner could be pinned and freed again and again.
         stands = stands + 1 if step.length < ACCURACY.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
             why = "ends at sharp corners are neither held nor free"
             break
         place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
-        # The next step gets the length at which its tangent should turn by half of the largest
-        # allowed angle.
+        # The length of the next step is chosen such that the tangent of the curve is expected to
+        # turn by half of the largest allowed angle.
         aimed = 0.5 * ARC_OPTIONS.longest_step
         growth = aimed / max(step.turned, aimed * MOVES.least_part)
         length = min(growth * length, ARC_OPTIONS.longest_step)
@@ -363,7 +376,9 @@ class SymmetryLost(NotConverged):
 
 
 def pushed_off(here: State) -> Array:
-    """The intervals of an equilibrium, moved along the motion of the ends that grows fastest."""
+    """The intervals of an unstable equilibrium, displaced along its most unstable eigenvector.
+    The eigenvector holds displacements of the ends of the intervals.
+    """
     growth, motions = here.motions(np.arange(len(here.residual)))
     motion = motions[:, int(np.argmax(growth))].real
     return here.moved(np.asarray(MOVES.short_move * motion / np.abs(motion / here.widths).max()))
@@ -393,7 +408,8 @@ def _to_corner(curve: Curve, here: CurvePoint, end: int) -> State | None:
 
 
 def _to_change(step: Step) -> Step:
-    """The step, cut where an end leaves its sharp corner, if an end does so.
+    """The step, shortened to the point where a pinned end leaves its sharp corner.
+    It is not shortened if no end leaves a corner.
 
     `after` is set if an end leaves its corner or is pinned at a corner.
     """
@@ -421,13 +437,13 @@ def _to_change(step: Step) -> Step:
 
 
 def _least_pinned_drive(at: State) -> float:
-    """Smallest residual of the pinned ends; inf if no end is pinned."""
+    """Smallest residual of the ends pinned at sharp corners; inf if no end is pinned."""
     whole = at.whole
     return float(whole.residual[whole.pinned].min(initial=np.inf))
 
 
 def let_go(step: Step) -> Array:
-    """Intervals at a step's end; ends that leave their sharp corners are moved a little inward."""
+    """Intervals at the end of a step; ends that leave sharp corners are moved a little inward."""
     assert step.after is not None
     return step.after.moved(
         -MOVES.short_move * step.after.widths * (step.end.at.pinned & ~step.after.pinned)
@@ -454,13 +470,15 @@ def beyond(curve: Curve, turned: State, sense: float) -> Array:
 
 
 def _stood_by(curve: Curve, here: State, sense: float) -> CurvePoint:
-    """The curve point at the equilibrium where a curve begins."""
+    """The equilibrium `here`, with the tangent of the curve that begins there.
+    Raises NotConverged if `here` belongs to a continuous family of equilibria at one control value.
+    """
     here.refuse_neutral()
     return _begun(curve, here, sense)
 
 
 def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
-    """The curve point at an equilibrium; for sense 1, its tangent points to larger controls.
+    """The equilibrium `here` with the curve's tangent; for sense 1 the control rises along it.
 
     The control falls for sense -1.
     """
@@ -475,16 +493,17 @@ def _begun(curve: Curve, here: State, sense: float) -> CurvePoint:
 
 
 def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
-    """The curve point at the equilibrium `ahead`, whose tangent leads away from `before`."""
-    # Near a turning point, a small change of the control moves the ends far, so that `_unit` tends
-    # to 0. From one point to the next, the scale of the control falls at most by the factor
-    # `MOVES.least_part`. Otherwise the tangent would turn too sharply.
+    """The equilibrium `ahead` with the curve's tangent, which leads away from `before`."""
+    # Near a turning point, a small change of the control moves the ends far, so that `_unit`, the
+    # unit of the control, tends to 0. From one point of the curve to the next, this unit falls at
+    # most by the factor `MOVES.least_part`. Otherwise the tangent would turn too sharply.
     scales = np.append(ahead.widths, max(_unit(curve, ahead), MOVES.least_part * before.scales[-1]))
     tangent, carried = _tangent(ahead, scales), scales / before.scales
     tangent = tangent if before.tangent @ (tangent * carried) >= 0.0 else -tangent
     here = CurvePoint(ahead, scales, tangent, np.zeros((2, len(tangent))))
     moved = here.moved(before.at)
-    # The curvature is that of the cubic through this point and `before`, with the tangents at both.
+    # `curvature` holds coefficients of the cubic through the points `here` and `before`, which has
+    # the curve's tangents at both points.
     return (
         replace(here, curvature=_leaving(tangent, moved, before.tangent / carried))
         if moved.any()
@@ -493,7 +512,8 @@ def onward(curve: Curve, before: CurvePoint, ahead: State) -> CurvePoint:
 
 
 def _leaving(tangent: Array, moved: Array, there: Array) -> Array:
-    """Coefficients (2, 2n + 1) of `length`^2 and `length`^3 in the cubic for ends and control.
+    """Coefficients (2, 2n + 1) of the square and the cube in a cubic for ends and control.
+    The cubic is a function of the length along the tangent of the curve.
 
     The length is measured from the present point along the unit vector `tangent`. The cubic starts
     there with this tangent. It passes through a second point, displaced by `moved`, with the
@@ -560,12 +580,15 @@ def _unit(curve: Curve, at: State) -> float:
 
 
 def _tangent(at: State, scales: Array) -> Array:
-    """Unit tangent (2n + 1,) of the curve of ends and control, in units of `scales`."""
+    """Unit tangent (2n + 1,) of the curve of equilibria, with a component for each end.
+    The last component belongs to the control. All components are in units of `scales`.
+    """
     return np.asarray(np.linalg.svd(np.column_stack((at.rates, at.by_value)) * scales)[2][-1])
 
 
 def along(curve: Curve, here: CurvePoint, length: float, tight: bool = True) -> State | None:
-    """The equilibrium on the curve in the plane normal to the tangent, at `length` from `here`.
+    """The equilibrium at which the curve crosses a plane at the distance `length` from `here`.
+    The plane is normal to the tangent at `here`.
 
     None if Newton's method does not reach it.
     """
@@ -592,7 +615,8 @@ def _corrected(
 def _newton(
     curve: Curve, here: CurvePoint, start: Array, normal: Array, tight: bool, formal: bool = False
 ) -> tuple[State | None, Array | None]:
-    """(equilibrium, None if not found; last iterate, None if no further attempt can succeed).
+    """(equilibrium or None if not found, last iterate or None if no retry can succeed).
+    The equilibrium is sought by Newton's method in the plane through `start` with the given normal.
 
     formal: the zones of contact inside the intervals keep their number.
     """
@@ -626,8 +650,8 @@ def _newton(
             # The matrix is singular if a zone can move freely along a level stretch of the profile.
             return None, None
         size = float(np.abs(step).max())
-        # The first Newton step must be short compared with the step along the curve. The lower
-        # bound of this limit allows for a start of low accuracy.
+        # The search is given up if a Newton step is too long, compared with the step along the
+        # curve. The limit has a lower bound, because the first iterate may have a low accuracy.
         if size > (MOVES.least_part if k == 0 else 1.0) * max(
             abs(length), 10 * ACCURACY.resting_step
         ):
@@ -641,9 +665,10 @@ def _newton(
         ):
             return at, start
         start = start + step
-        # This step is the last one if the next one would be shorter than `ACCURACY.neutral`. Each
-        # step is assumed to shrink by at least the factor `size / before`. A short step that is
-        # more than half of the step before (`rounded`) is round-off, and is the last one, too.
+        # The iteration ends if the next Newton step would be shorter than `ACCURACY.neutral`, where
+        # steps are assumed to shrink at least by the factor `size / before`. It also ends if a
+        # short step is more than half of the step before (`rounded`), because such a step is
+        # round-off.
         if size * min(size / before if k else 1.0, 1.0) < ACCURACY.neutral or rounded:
             how_solved.pop("tolerance", None)
             return curve.at(

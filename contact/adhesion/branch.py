@@ -10,7 +10,7 @@ from contact.search.strategies.guesses import Outcome
 
 
 def found(context: SolveContext) -> Outcome:
-    """The contact of the context's scene. Raises OutOfRange past pull-off."""
+    """The adhesive contact of the context's scene. Raises OutOfRange past pull-off."""
     refuse_unbounded(context.scene)
     with one_blas_thread(), as_not_converged():
         if context.scene.law.tension:

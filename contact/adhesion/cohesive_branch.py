@@ -100,7 +100,7 @@ def followed_under_tension(context: SolveContext) -> Outcome:
 def _greatest(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The contact on the receding branch at a value of the control.
+    """The contact on the receding branch (reached from a larger contact) at a control value.
 
     Below first touch, the contact is first found at an approach at which tension acts everywhere.
     From there the approach is lowered.
@@ -124,7 +124,9 @@ def _greatest(
 def _lowered(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The advanced contact; for `value` < 0 the contact that has receded from control value 0."""
+    """The contact reached by advancing from first touch at the control value `value`.
+    If `value` < 0, the contact advances at the control value 0, and recedes from there to `value`.
+    """
     try:
         start = advancing(context, scaled, curve, max(value, 0.0))
     except Closed:
@@ -215,7 +217,7 @@ def _refuse_narrow(context: SolveContext, width: float) -> None:
 
 
 def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
-    """Zones of `fields`, with ends moved outward where the next strip of tension is narrow.
+    """Zones of `fields`; ends next to very narrow strips of tension are moved outward.
 
     The motion is a fraction of the Newton step that removes the edge intensity. Afterwards the
     strips are wide enough to be resolved, and the ends are still driven outward.
@@ -238,7 +240,9 @@ def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
 def _sampled_farther(
     curve: CohesiveCurve, fields: ZoneFields, gap_samples: tuple[Array, Array]
 ) -> tuple[Array, Array]:
-    """Samples of a non-periodic body's gap, up to places where the gap exceeds `curve.reach`.
+    """Samples (x, gap) outside the contact, out to points where the gap exceeds the reach.
+    The reach is the largest gap at which the tension acts. The samples of a periodic body are
+    unchanged.
 
     Under a light load these places are far from the contact.
     """
@@ -264,7 +268,9 @@ def _sampled_farther(
 
 
 def _touch_intervals(scaled: ScaledScene, curve: CohesiveCurve) -> tuple[Array, Array]:
-    """(intervals where the gap at first touch is below the reach, first guess of the zones)."""
+    """(intervals where the tension acts at first touch, first guess of the zones of contact).
+    The tension acts where the gap is below its reach.
+    """
     problem, (lo, hi) = scaled.problem, scaled.problem.units.scaled(np.array(scaled.cell))
     profile, length, corners, round_ = (
         problem.profile,
@@ -387,7 +393,9 @@ def under_all(context: SolveContext, problem: Problem) -> Array | None:
 
 
 def _start_scene(context: SolveContext, problem: Problem) -> Scene:
-    """The scene without adhesion; load or approach is raised by the effect of the tension."""
+    """The scene without adhesion, with a load or approach raised to stand for the tension.
+    A uniform tension on the whole period presses the surfaces together like an additional load.
+    """
     scene, period = context.scene, context.scene.period
     assert period is not None and scene.law.bare is not None
     stress = scene.law.tension
@@ -488,7 +496,7 @@ def _solved_at_corners(
 
 
 def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
-    """The zones with the kinds of their ends; an end at a sharp corner is of kind SINGULAR."""
+    """The zones as `sie.Zones`; the density is singular at ends that lie at sharp corners."""
     left, right = (
         [sie.SINGULAR if place == corner else pulled.end for place in ends]
         for ends, corner in zip(zones.T, pulled.corners, strict=True)
@@ -497,7 +505,9 @@ def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
 
 
 def everywhere(context: SolveContext, problem: Problem) -> Outcome:
-    """The contact under tension on the whole period, from the contact without adhesion."""
+    """The contact under tension on the whole period, found from a contact without adhesion.
+    The latter has a raised load or approach; the tension is subtracted from its pressure.
+    """
     scene = _start_scene(context, problem)
     alone = replace(context, scene=scene, cache=SceneCache(scene))
     found = alone.solve_scene(scene, ACCURACY.resting_step)

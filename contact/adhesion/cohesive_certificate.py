@@ -24,7 +24,7 @@ from sie import AnyDensity, Array, record, wrapped
 
 @record
 class SolvedCohesive(SolvedZones):
-    """Solved zones under a tension.
+    """Solved zones of contact under a tension that also acts outside the zones.
 
     cohesive_error: the contribution of the ends of the tension to the error.
     """
@@ -170,7 +170,7 @@ def _steepness(density: AnyDensity) -> Array:
 
 
 def rounded_load(fields: CohesiveFields) -> float:
-    """Relative error of the zones due to round-off of the load; the tension acts everywhere.
+    """Relative error of the zones' ends due to round-off of the load, under tension everywhere.
 
     The load of q = p + s is the sum of the tension's force and the given load, which may nearly
     cancel.

@@ -89,9 +89,9 @@ class CohesiveEvents(Events):
         return ("merge" if fewer else "birth") if rises else ("death" if fewer else "split")
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
-        """The first jump in a step, where the gap crosses the reach of the tension.
-
-        Places next to the ends of the tension do not count.
+        """The first jump in a step: the gap crosses the reach of the tension.
+        Outside the tension the gap falls below the reach, or inside it rises above the reach.
+        Points next to the ends of the tension do not count. None if there is no jump.
         """
         found: list[tuple[float, float, float, bool]] = []
         for outside in (True, False):
@@ -109,7 +109,7 @@ class CohesiveEvents(Events):
         return self.jump(here, place, self._changed(here, place, width, outside), outside)
 
     def _changed(self, here: State, place: float, width: float, begins: bool) -> PathState:
-        """The path state after a tension interval begins at a place, or is cut at this place."""
+        """The path state after an interval of tension begins at x = `place`, or is cut there."""
         curve, half, period = self.curve, 0.5 * MOVES.new_width * width, self.curve.problem.round
         if period is not None:
             place -= np.floor((place - here.table[0, 0]) / period) * period
@@ -146,7 +146,8 @@ class CohesiveEvents(Events):
         return (self.grown if begins else self.shrunk)(table, here.value)
 
     def _wrong(self, here: State, outside: bool) -> Array:
-        """Intervals (n, 2) in which the gap is on the wrong side of the reach of the tension.
+        """Intervals (n, 2) in which the tension should act but does not, or should not but does.
+        It should act where the gap is below the reach of the tension.
 
         If `outside` is true, these lie outside the tension and have a gap below the reach. If not,
         they lie inside the tension and have a gap above the reach. Places next to the ends of the
@@ -170,9 +171,9 @@ class CohesiveEvents(Events):
         return np.array(found).reshape(-1, 2)
 
     def _least(self, here: State, lo: float, hi: float, outside: bool) -> tuple[float, float]:
-        """(place, value) of the least margin between the gap and the reach, from x = lo to x = hi.
-
-        The margin is positive until an interval begins there, or is cut.
+        """(x, value) of the least margin between the gap and the reach, for x from lo to hi.
+        The margin is gap - reach where no tension acts (`outside`), and reach - gap where it acts.
+        It is positive until an interval of tension begins at x, or is cut there.
         """
         curve, sign = self.curve, -1.0 if outside else 1.0
         place, most = maximum(
@@ -255,8 +256,8 @@ class CohesiveEvents(Events):
                 step = np.linalg.solve(-at.rates, at.residual)
                 at = formal.at(at.moved(np.asarray(step, dtype=np.float64)), value)
                 size = float(np.abs(step / at.widths).max())
-                # The search ends if this Newton step is small, or the next one is predicted to be.
-                # It also ends if round-off stops the steps from shrinking.
+                # The iteration ends if this Newton step is small, or if the next step is predicted
+                # to be small. It also ends if the steps no longer shrink because of round-off.
                 if (
                     size < ACCURACY.neutral
                     or size * size < ACCURACY.neutral * before
@@ -298,9 +299,9 @@ class CohesiveEvents(Events):
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
-            # `formally` follows the curve with the zones of `here`, the state at one end of the
-            # step. The zones may change just beyond the other end of the step. Three ranges of
-            # increasing length are therefore tried.
+            # `formally` follows the curve with as many zones of contact as `here`, the state at one
+            # end of the step. The number of zones may change just beyond the other end of the step.
+            # So three ranges of increasing length are tried.
             for past in (0.0, MOVES.small_part, arc_length.ARC_OPTIONS.longest_step):
 
                 def formally(u: float, part: float = 1.0 + past) -> CohesiveState:
@@ -394,7 +395,9 @@ class CohesiveEvents(Events):
         )
 
     def under_all(self, value: float) -> PathState:
-        """The path state at `value`: tension on the whole period, or closed from `self.full` on."""
+        """The path state at the control value `value`, with tension on the whole period.
+        From the control value `self.full` on, the surfaces are in full contact.
+        """
         if value >= self.full:
             return PathState(value, closed=True)
         return PathState(value, self.curve.under_all(value, self.pressed(value)))
@@ -426,8 +429,8 @@ class CohesiveEvents(Events):
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
         end = min(value, self.full - ACCURACY.resting_step * self.size) if rises else value
-        # The gap is followed, and full contact has none. So `end`, the last control value, is below
-        # `self.full`.
+        # The path is followed while there are gaps. So the last control value `end` is slightly
+        # below `self.full`, the value at which all gaps close.
         at, step, halvings = here.value, MOVES.small_part * (end - here.value), 0
         while at != end:
             ahead = end if abs(step) >= abs(end - at) else at + step
@@ -524,7 +527,7 @@ class CohesiveEvents(Events):
 
 
 def _cut(table: Array, place: float, half: float) -> Array:
-    """The intervals of tension, without the points closer than `half` to a place."""
+    """The intervals of tension, without the points from `place - half` to `place + half`."""
     i = int(interval_of(np.array([[place, place]]), table)[0])
     return np.concatenate(
         (table[:i], [[table[i, 0], place - half], [place + half, table[i, 1]]], table[i + 1 :])

@@ -132,10 +132,8 @@ class CohesiveFields(ZoneFields):
 
     @property
     def _not_pulled(self) -> float:
-        """Integral of the profile's height times the missing fraction 1 - eta of the tension.
-
-        It is taken over the zones pinned at sharp corners. There, only the fraction eta of the
-        tension acts.
+        """Integral, over zones pinned at sharp corners, of the profile's height times 1 - eta.
+        On these zones only the fraction eta of the tension acts.
         """
         out, breaks = 0.0, self.pulled.forcing.jumps.broken_at
         for end, zone in self.tension.spreads:
@@ -167,7 +165,7 @@ def fields_of(curve: CohesiveCurve, here: State) -> CohesiveFields | SeparatedFi
 
 
 def scaled_second_variation(here: CohesiveState) -> Array:
-    """Dimensionless Hessian of the energy by outward motions s of the tension's free ends.
+    """Scaled Hessian of the energy by outward displacements s of the tension's free ends.
 
     It is d^2 energy/ds_i ds_j times the square roots of the widths of both intervals, divided by
     twice the work of adhesion w.

@@ -55,7 +55,7 @@ def advanced(
 
 
 def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState) -> CohesiveState:
-    """The state `here`, or the one after its new zones have snapped into wider contact.
+    """The state `here`, or the state after its new zones of contact have snapped wider.
 
     The state after the snap is found from a law without range (JKR).
     """
@@ -64,8 +64,8 @@ def _past_snaps(curve: CohesiveCurve, before: CohesiveState, here: CohesiveState
     ahead = jkr_guide.before_advanced(curve, here.zones, here.value)
     if ahead is None:
         return here
-    # If a zone of `here` is missing from `ahead`, the law without range (JKR) gives no contact at
-    # that zone. Then `here` is kept.
+    # `here` is kept if one of its zones is missing from `ahead`. At such a zone the law without
+    # range (JKR), from which `ahead` is built, gives no contact.
     return ahead if ahead.q is not None and ahead.q.inside(here.zones.mean(axis=1)).all() else here
 
 
@@ -85,7 +85,7 @@ def receded(
 
 
 def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide | None:
-    """The grid that predicts where the ends of given intervals come to rest.
+    """A grid problem that predicts where the ends of given intervals of tension come to rest.
 
     None without contact, between sharp corners, or under the control of a spring. table: None for
     tension in all of a period.
@@ -101,14 +101,14 @@ def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide
 
 
 def guide_down(curve: CohesiveCurve, zones: int, table: Array) -> GridGuide | None:
-    """The grid that predicts where receding zones come to rest; None if there are few zones."""
+    """A grid problem that predicts where receding ends come to rest; None for few zones."""
     return guide_of(curve, zones, table) if zones > MOVES.few_zones else None
 
 
 def guided(
     curve: CohesiveCurve, guide: GridGuide, table: Array | None, value: float, sign: float
 ) -> CohesiveState | None:
-    """A state near equilibrium, from a grid, whose ends all tend to move the same way.
+    """A state near equilibrium, found on a grid; its ends all tend to move in one direction.
 
     The ends are driven outward for sign 1, inward for sign -1. None where the grid is too coarse:
     its error shows in the residuals, and must be below the margin. table: None for tension in all
@@ -125,7 +125,8 @@ def guided(
                 raise
             continue
         except ContactLost:
-            # If receding ends lose all contact at the last margin as well, there is no equilibrium.
+            # On the grid, the reach of the tension is enlarged by the fraction `margin`. If
+            # receding ends lose all contact even for the largest margin, there is no equilibrium.
             if sign < 0 and margin == MOVES.margins[-1]:
                 raise
             continue
@@ -257,7 +258,8 @@ def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) ->
 def intervals_left(
     curve: CohesiveCurve, value: float, zones: Array, gap_samples: tuple[Array, Array]
 ) -> Array:
-    """Intervals of tension about the zones, from a state with tension on the whole period.
+    """Intervals of tension around the zones, after the tension acted on the whole period.
+    They are the intervals in which the sampled gap is below the reach of the tension.
 
     Raises ContactLost where no contact is left.
     """
@@ -295,7 +297,8 @@ def _widened(
 
 
 def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """Old and new intervals of tension; two merge if `gap` between them is below the reach.
+    """The intervals of tension, with new intervals where the gap is below the reach.
+    Two intervals are merged if the gap is below the reach everywhere between them.
 
     None if nothing changed.
     """
