@@ -22,47 +22,52 @@ from sie.basis.zones import Zones
 class SamplingOptions:
     """Numbers of nodes of a given function on a zone, and limits of the checks of its series."""
 
-    # Initial number of nodes of a zone. It is the same for right sides (`sie.dense.modes`).
+    # First number of sampling nodes on a zone. Right sides are first sampled at as many nodes
+    # (`sie.dense.modes`).
     first_nodes: int = 16
-    # Largest number of nodes of a zone. Right sides have the same limit.
+    # Largest number of sampling nodes on a zone. Right sides have the same limit.
     max_nodes: int = 8192
     # Number of points of a zone, none of them a node, at which the series is compared with the
     # function. The residual of an equation is sampled at as many points (`sie.states.state`).
     check_points: int = 15
-    # Largest deviation at the check points and at ends of prescribed intensity, in units of the
-    # tolerance. A deviation sums some hundred coefficients, each with an error within the
-    # tolerance.
+    # Largest accepted deviation of the series from the given function, in units of the tolerance.
+    # It is tested at the check points and at ends of prescribed intensity. A deviation sums some
+    # hundred coefficients, each with an error within the tolerance.
     margin: float = 100.0
     # Distance from an end, in half widths, at which the exponent of the function is measured. The
     # next term of the expansion at the end changes the exponent by about this distance.
     end_distance: float = 1e-4
-    # The measured exponent may deviate by this much from -1/2, 1/2, 3/2, ... A larger deviation is
-    # reported. The limit is 200 times the effect of the next term (see `end_distance`).
+    # The exponent measured at an end may deviate by this much from -1/2, 1/2, 3/2, ... A larger
+    # deviation is reported. The limit is 200 times the effect of the next term of the expansion at
+    # the end (see `end_distance`).
     exponent_deviation: float = 0.02
 
 
 OPTIONS = SamplingOptions()
-# Angles of the check points; none of them is a node.
+# Angles of the points at which the series is compared with the function. None of these points is a
+# node.
 _THETA = (np.arange(OPTIONS.check_points) + 0.4142) * np.pi / OPTIONS.check_points
 
 
 @dataclass(frozen=True)
 class _Sampled:
-    """A function f on one zone."""
+    """A density that is given as a function f, on one of the zones."""
 
     f: Callable[[Array], Array]
     zones: Zones
     zone: int
 
     def place(self, left: Array, right: Array) -> Array:
-        """Points x, given by their distances from both ends in half widths."""
+        """Positions x of points given by their distances from both zone ends, in half widths."""
         w = self.zones.half[self.zone]
         return np.where(
             left < right, self.zones.a[self.zone] + w * left, self.zones.b[self.zone] - w * right
         )
 
     def at(self, x: Array) -> Array:
-        """Values of f at points x (n,) inside the zone, checked."""
+        """Values of f at points x (n,) inside the zone.
+        Raises ValueError if they are not finite real numbers, one for each point.
+        """
         with np.errstate(all="ignore"):
             given = np.asarray(self.f(x))
         if given.dtype.kind not in "fiub":
@@ -83,7 +88,7 @@ class _Sampled:
         return values
 
     def weighted(self, left: Array, right: Array) -> Array:
-        """X f, X = sqrt(1 - t^2), at points given by distances from both ends in half widths.
+        """Values of X f with X = sqrt(1 - t^2), at distances from both ends in half widths.
 
         X is computed from the distances of the rounded x. So the round-off of x near a singular end
         leaves X f nearly unchanged.
@@ -116,7 +121,7 @@ class _Sampled:
             n *= 2
 
     def _reason(self, n: int, reached: float, tol: float) -> str:
-        """Message that says why the series does not decay to the tolerance."""
+        """Message that says why the Chebyshev series of f does not decay to the tolerance."""
         found = (
             f"the density is not resolved on zone {self.zone} (counted from 0): its last "
             f"coefficients with {n} nodes are {reached:.1e} of the largest, not {tol:.1e}"
@@ -143,7 +148,9 @@ class _Sampled:
 def series_of(
     f: Callable[[Array], Array], zones: Zones, tol: float
 ) -> tuple[Array, tuple[Array, Array]]:
-    """(coefficients (Z, n) of T_j / X, coefficients alpha and beta of (alpha + beta t) / X).
+    """Chebyshev series of the density f on each zone, and its unbounded part.
+    The result is (coefficients (Z, n) of T_j / X, coefficients alpha and beta of (alpha + beta t) /
+    X), with Chebyshev polynomials T_j in t.
 
     X is sqrt(1 - t^2). alpha and beta are those of `Series.singular`, with the intensities that the
     kinds of ends prescribe.

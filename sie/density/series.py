@@ -36,8 +36,8 @@ class DensityOptions:
     # Least number of angles at which the density is sampled on a zone. The density is also sampled
     # on both sides of the zone's highest kinks, at most `samples` kinks.
     samples: int = 32
-    # Largest number of angles of a zone at which the density's response to motions of the ends is
-    # evaluated.
+    # Largest number of angles theta = arccos(t) of a zone at which the change of the density by
+    # motions of the zone's ends is evaluated.
     max_angles: int = 256
 
 
@@ -46,7 +46,8 @@ OPTIONS = DensityOptions()
 
 @dataclass(frozen=True, eq=False)
 class Series(DensityBase):
-    """Density sum_j c_j T_j(t) / sqrt(1 - t^2) plus closed forms of the jumps, on each zone.
+    """The density on each zone: sum_j c_j T_j(t) / sqrt(1 - t^2), plus closed forms of jumps.
+    The jumps are those of the right side or the density inside the zones.
 
     `sie.Density` explains the fields.
     """
@@ -76,7 +77,10 @@ class Series(DensityBase):
 
     @cached_property
     def bounded(self) -> tuple[Array, Array, Array]:
-        """Series (alpha, beta, u): (alpha + beta t) / X + X sum u_k U_k, with X = sqrt(1 - t^2)."""
+        """Coefficients (alpha, beta, u) of an unbounded and a bounded part of the density.
+        The sum is (alpha + beta t) / X + X sum u_k U_k, with X = sqrt(1 - t^2). The closed forms of
+        jumps are not included.
+        """
         return *self.singular, chebyshev.bounded_part(self.coefficients)[2]
 
     @property
@@ -93,7 +97,8 @@ class Series(DensityBase):
 
     @cached_property
     def sampling(self) -> Index:
-        """Number of equidistant angles that resolve the density on each zone (Z,).
+        """Number of angles theta = arccos(t) that resolve the density on each zone (Z,).
+        The angles are equidistant.
 
         It is twice the number of modes, plus four for every jump.
         """
@@ -103,7 +108,7 @@ class Series(DensityBase):
         return np.clip(2 * modes + 4 * jumps, OPTIONS.samples, BLOCKS.cache_pairs)
 
     def first(self, count: int) -> Array:
-        """The first `count` coefficients of T_l / sqrt(1 - t^2) on each zone, jumps included."""
+        """First `count` coefficients of T_l / sqrt(1 - t^2) in each zone's density, with jumps."""
         out = widened(self.coefficients[:, :count], count)
         return out + self.jumps.t_coefficients(self.zones, count) if len(self.jumps) else out
 
@@ -114,11 +119,11 @@ class Series(DensityBase):
 
     @property
     def total(self) -> float:
-        """Integral of the density over all zones and plateaus."""
+        """Integral of the density over all zones and plateaus (stretches of constant density)."""
         return float(self.totals.sum()) + (0.0 if self.beside is None else self._plateaus.total)
 
     def moment(self, about: float = 0.0) -> float:
-        """Integral of (x - about) times the density."""
+        """First moment of the density: the integral of (x - about) times the density."""
         w = self.zones.half
         of_plateaus = 0.0 if self.beside is None else self._plateaus.integral(lambda x: x - about)
         return of_plateaus + float(
@@ -134,7 +139,9 @@ class Series(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A at both ends of each zone; A is the coefficient of sqrt(distance)."""
+        """Edge slopes A at both ends of each zone: the coefficients of sqrt(distance).
+        The distance is that from the end, and the function is the density.
+        """
         left, right = interval.edge_slopes(
             *self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half
         )
@@ -144,7 +151,9 @@ class Series(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """(largest density, its largest changes by a motion of the left and of the right end).
+        """Largest density on each zone, and its largest changes by motions of the zone's ends.
+        The result is (largest density, largest change by a motion of the left end, largest change
+        by a motion of the right end).
 
         Each has one value for each zone.
 
@@ -198,15 +207,18 @@ class Series(DensityBase):
         """
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), left, right)
-        # At an end where the density is bounded, the intensity K is only round-off. There
-        # `values_on` does not divide K by the distance zero.
+        # Close to an end the density is K / sqrt(distance) plus bounded terms. At ends where the
+        # density is bounded, K is only round-off, and `values_on` does not divide K by the distance
+        # zero.
         out = interval.values_on(self.bounded, zone, left, right, self.zones.bounded)
         if len(self.jumps):
             out = out + self.jumps.density(zone.ravel(), left.ravel(), right.ravel()).reshape(
                 out.shape
             )
         if self.zones.depth.any():
-            # The difference from an even passage is proportional to the width of a rim.
+            # A rim is a zone between two different end values, computed with a larger width than
+            # its true width. The deviation of the density from `passage`, the density on a very
+            # narrow rim, is proportional to the width. It is reduced to that of the true width.
             part = np.exp(self.zones.depth)[zone]
             out = np.where(
                 part < 1.0, part * out + (1 - part) * self.passage(zone, left, right), out
@@ -214,12 +226,15 @@ class Series(DensityBase):
         return np.asarray(out)
 
     def passage(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
-        """The density on a rim so narrow that the right side does not vary on it; see `at`."""
+        """The density on a rim that is so narrow that the right side does not vary on it.
+        A rim is a zone between two different end values of the density. The density is a linear
+        function of the angle arccos(t) there.
+        """
         at_left, at_right = self.zones.values[:, np.asarray(zone)]
         return np.asarray(at_right + (at_left - at_right) * interval.theta(left, right) / np.pi)
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
-        """Integral of the density from a zone's left end to the place t = cos(angle)."""
+        """Integral of the density from a zone's left end to the point t = cos(angle)."""
         zone, angle = np.broadcast_arrays(
             np.asarray(zone, dtype=np.intp), np.asarray(angle, dtype=float)
         )
@@ -256,12 +271,13 @@ class Series(DensityBase):
     # The properties below are tables from which sums over zones are computed.
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
-        """(nodes, weights times density) for integrals with the kernel's regular part."""
+        """Quadrature nodes, and weights times density, for the kernel's regular part."""
         return quadrature(self.zones, self.kernel, self.coefficients, self.jumps)
 
     @cached_property
     def panel_moments(self) -> tuple[Panels | Skeleton, Array] | None:
-        """(panels or skeleton of the kernel's regular part, moments of the density).
+        """`Panels` or `Skeleton` of the kernel's regular part, and the density's moments for it.
+        Sums with the regular part are computed from these moments.
 
         It is None if the regular part is not computed by panels.
         """
@@ -278,6 +294,7 @@ class Series(DensityBase):
     @cached_property
     def potential_coefficients(self) -> Array:
         """Density coefficients c_0 and c_k / k (k > 0) of each zone, from which potentials follow.
+        c_k is the coefficient of T_k / sqrt(1 - t^2) in the density.
 
         They lack the jumps that `ForcingJumps.sharp_potential` gives in closed form.
         """
@@ -288,7 +305,8 @@ class Series(DensityBase):
 
     @cached_property
     def sharp_totals(self) -> Array:
-        """Coefficient (Z,) of T_0 / sqrt(1 - t^2) due to jumps whose potential is a closed form.
+        """Coefficient (Z,) of T_0 / sqrt(1 - t^2) in the density of some of the jumps.
+        They are those whose potential is a closed form.
 
         See `ForcingJumps.sharp_potential`.
         """
@@ -302,7 +320,7 @@ def even_angles(count: int) -> Array:
 
 
 def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
-    """The angles `theta` of a zone, with one more angle on each side of its largest kinks.
+    """The angles `theta` of a zone, with one more on each side of the density's largest kinks.
 
     left, height: distances of all kinks from the zone's left end, divided by its half width, and
     their heights. Angles too close to a kink are left out. The limit is `end_distance`, or an
@@ -324,7 +342,8 @@ def angles_at_kinks(left: Array, height: Array, theta: Array) -> Array:
 def from_zones(
     density: Series, x: Array, zone: Index, shift: Array | float, potential: bool
 ) -> Array:
-    """Fields at points x of zones moved by `shift`: the part of one pole of the kernel.
+    """Transform or potential at points x of the density on zones that are moved by `shift`.
+    It is the part of the field that one pole of the kernel, at this shift, causes.
 
     The result is pair by pair if all arrays are (n,). With x (n, 1) it has a column for each zone.
     """
@@ -425,7 +444,8 @@ def moments_of(
 def quadrature(
     zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps
 ) -> list[tuple[Array, Array]]:
-    """List of (nodes, weights times density) for integrals with the kernel's regular part.
+    """Quadrature nodes, and weights times density, for integrals with the kernel's regular part.
+    The result is a list of pairs (nodes, weights times density).
 
     There is one pair for all zones with the same number of nodes. table: T coefficients (zones, n +
     1) of the density without jumps.

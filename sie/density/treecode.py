@@ -23,7 +23,10 @@ from sie.trees.tree import TERMS, Tree
 
 
 class Treecode:
-    """Transform and potential of a density, from a series on each cell of the central period."""
+    """Transform and potential of a density with many zones, by Chebyshev series on cells.
+    A cell is a zone or a part of a gap in the central period. Its series is the field of distant
+    zones.
+    """
 
     def __init__(self, density: Series) -> None:
         # `self.density` is a weak reference, because the density refers to this object. A reference
@@ -32,8 +35,9 @@ class Treecode:
         zones, period = density.zones, density.kernel.period
         first, last = float(zones.a[0]), float(zones.b[-1])
         middle = 0.5 * (first + last)
-        # Without a period, the cells extend beyond the zones on either side by `last` - `first`.
-        # At points farther away, the moments of all zones together suffice.
+        # Without a period, the cells extend beyond all zones on either side by `last` - `first`,
+        # the distance from the first to the last end. At points farther away, the moments of all
+        # zones together suffice.
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
@@ -49,7 +53,8 @@ class Treecode:
 
     @cached_property
     def potential_series(self) -> Array:
-        """Series of the potential on each cell.
+        """Chebyshev series of the potential of distant zones, on each cell of the line.
+        A cell is a zone or a part of a gap.
 
         It is the primitive of the transform's series that has the known value at the middle.
         """
@@ -58,11 +63,11 @@ class Treecode:
         return np.asarray(out)
 
     def transform(self, x: Array) -> Array:
-        """Transform at real x (n,) within the central period."""
+        """Transform of the density at real points x (n,) within the central period."""
         return self._summed(x, self.series, False)
 
     def potential(self, x: Array) -> Array:
-        """Potential at real x (n,) within the central period."""
+        """Potential of the density at real points x (n,) within the central period."""
         return self._summed(x, self.potential_series, True)
 
     def _summed(self, x: Array, series: Array, potential: bool) -> Array:
@@ -96,7 +101,7 @@ class Treecode:
         return out
 
     def _beyond(self, x: Array, potential: bool) -> Array:
-        """Field at points x outside all cells."""
+        """Transform, or potential if `potential` is true, at points x outside all cells."""
         plane: Plane = self.density.plane  # type: ignore[assignment]
         what: What = "potential" if potential else "transform"
         return np.asarray(plane.poles(x, np.zeros(len(x)), (what,))[0].real)

@@ -11,7 +11,8 @@ from sie.states.sizes import Sizes
 
 @dataclass(frozen=True)
 class NewtonOptions:
-    """Options of Newton's method on the ends; lengths are relative to the zone's width.
+    """Options of Newton's method for the ends of the zones.
+    Lengths are relative to the width of the zone.
 
     Parameters
     ----------
@@ -101,7 +102,9 @@ class NewtonOptions:
 
 @dataclass(frozen=True, eq=False)
 class WarmStart:
-    """Data known before a search: value of the open condition, error of ends, numbers of modes.
+    """Data known before a search for the ends of the zones, usually from a similar solution.
+    They are the value of the open condition (the side condition without a given value), the error
+    of the ends, and the numbers of modes.
 
     Parameters
     ----------

@@ -64,7 +64,9 @@ class Progress:
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
     def continue_with(self, zones: Zones, gaps: Array, kept: Index) -> None:
-        """Continue with the remaining zones and gaps; `kept` has the old indices of these zones."""
+        """Continue the record with the zones and gaps that remain after others have vanished.
+        kept: the old indices of these zones.
+        """
         self.first_width = np.maximum(self.first_width[kept], zones.b - zones.a)
         self.first_gap = np.maximum(self.first_gap[kept], gaps)
         self.closing, self.leaving = self.closing[kept], self.leaving[kept]
@@ -82,16 +84,20 @@ class Progress:
 
     @property
     def left_to_solve(self) -> float:
-        """Tolerance of the next solution: `forcing` times the cube of the last relative move."""
+        """Tolerance of the next linear solution: `forcing` times the cube of the last move of ends.
+        The move is the largest one of all ends, relative to the width of the end's zone.
+        """
         last = self.trace[-1].move if self.trace else 1.0
-        # `most` is the largest relative move without the `unresolved_fraction` of zones whose ends
-        # move most. Those zones may vanish.
+        # `most` is the largest relative move of an end without those zones whose ends move most, a
+        # fraction `unresolved_fraction` of all zones. Those zones may vanish.
         last = self.most if self.options.unresolved_fraction else min(last, self.initial_error)
         return self.options.forcing * last**3
 
     @property
     def tightest(self) -> float:
-        """Tolerance of the last iterative solution: a lower bound of the others' tolerances."""
+        """Tolerance of the last iterative solution of the linear system in a search for ends.
+        Earlier solutions have this tolerance or a larger one.
+        """
         return self.options.forcing * self.tolerance
 
     def after(
@@ -116,12 +122,14 @@ class Progress:
         fraction = options.unresolved_fraction
         if fraction:
             self.most = min(float(np.quantile(relative.max(axis=0), 1.0 - fraction)), 1.0)
-        # The noise is a root mean square. The largest of n normally distributed errors is about
-        # sqrt(2 log n) times their root mean square.
+        # `motion.noise` is the root mean square of the round-off in the move of each end. The
+        # largest of n normally distributed errors is about sqrt(2 log n) times their root mean
+        # square.
         largest_noise = np.sqrt(2 * np.log(2 + delta.size)) * motion.noise
         at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), largest_noise)
         if zones.have_values:
-            # A rim also needs its own width, which may be far below its scale.
+            # At a rim (a zone between two different end values), the change of the width must also
+            # be small relative to the width itself, which may be far below the length in `scales`.
             wider, own = np.abs(motion.delta.sum(axis=0)), self.tolerance * 4 * zones.half
             at_rest &= ~zones.rims | (wider <= np.maximum(own, largest_noise.sum(axis=0)))
         few_move = bool(np.mean(at_rest) >= 1.0 - fraction)
@@ -139,7 +147,7 @@ class Progress:
         return Convergence(certain and (rests or growth > 0) and known, error, rounding)
 
     def _moves_by_rounding(self, delta: Array, width: Array, noise: Array) -> float:
-        """Ratio of the largest recent move to the last move if round-off causes them, else 0."""
+        """Ratio of the ends' largest recent move to the last one if both are round-off, else 0."""
         move, rounding_step = self.trace[-1].move, self.options.rounding_step
         quiet = delta < np.clip(100 * noise, rounding_step * width, 1e-2 * width)
         by_rounding = (self.stalled >= 2 and move < 1e-3 * rounding_step) or (
@@ -151,7 +159,7 @@ class Progress:
         return max(step.move for step in recent) / max(move, 1e-300)
 
     def _scatter(self) -> float:
-        """Ratio of the second last move to the last one, if round-off caused the former; else 0.
+        """Ratio of the ends' second last move to the last one, if the former is round-off; else 0.
 
         Near the solution a move is at most about a constant times the square of the move before.
         A small move beyond that shows the round-off of the data. The last move may be smaller than
@@ -184,7 +192,9 @@ class Progress:
         return stays or (stalled and move < options.rounding_step)
 
     def _stays(self) -> bool:
-        """Whether moves of ends no longer decrease, and no width has changed by a factor of 3."""
+        """Whether the moves of the ends no longer decrease while all widths stay similar.
+        A width is similar if it has changed by less than a factor of 3 over the last ten steps.
+        """
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         if len(now) != len(before):
             return False
@@ -214,24 +224,28 @@ class Progress:
         self.leaving = np.where(vanishes, (self.leaving if len(self.leaving) else 0) + 1, 0)
         part = options.vanished_part
         if len(zones) == 1:
-            # A single zone carries the whole given total, however narrow the zone is. So its least
-            # width is far smaller: the factor `part` is raised to the fourth power.
+            # A single zone carries the whole prescribed integral of the density, however narrow the
+            # zone is. So the width at which it has vanished is far smaller: the factor `part` is
+            # raised to the fourth power.
             part **= 4
         least = np.where(zones.rims, 0.0, part * self.first_width)
         gone = width < np.maximum(least, 8 * np.spacing(np.abs(zones.a)))
-        # A damped step leaves most of a zone. So a zone also counts as vanished if several undamped
-        # steps in a row would have removed it.
+        # A damped Newton step removes only a part of a zone. So a zone also counts as vanished if
+        # several undamped Newton steps in a row would have removed it.
         insists = np.zeros(len(gone), dtype=bool)
         if len(zones) > 1 and (~zones.rims & (self.leaving >= options.insistent_steps)).any():
             # If one zone counts as vanished, so do all zones that each of the last two undamped
-            # steps would have removed. Only `Zones.rims` never vanish.
+            # steps would have removed. Only rims (zones between two different end values) never
+            # vanish.
             insists = (self.leaving >= 2) & ~zones.rims
-        # A gap or plateau beside a rim has its own scale, however narrow the rim is.
+        # A rim (a zone between two different end values) may be very narrow. So the gap or plateau
+        # beside a rim is not compared with the width of the rim.
         narrowest = np.where(zones.rims, np.inf, np.minimum(width, self.first_width))
         closed = self.closing >= 2
         if not options.allow_loss:
-            # Without `allow_loss`, a closed gap ends the search. So a gap that repeated
-            # steps would close counts as closed only if it is narrow enough to be a slit.
+            # Without `allow_loss`, a closed gap ends the search. So a gap that repeated steps would
+            # close counts as closed only if it is narrow enough to be a slit (a narrow gap that is
+            # not resolved as one).
             narrow = gaps < SLITS.max_gap * narrowest
             closed = (self.closing >= options.insistent_steps) & narrow
         closed |= gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)

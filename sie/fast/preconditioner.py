@@ -9,7 +9,8 @@ from sie.fast.system import Applied, IterativeSystem
 
 
 class TwoLevelPreconditioner:
-    """Approximate inverse of the rows; neglects how a zone's field varies over another zone.
+    """Approximate inverse of the system of equations, for an iterative solution.
+    It neglects how the field of one zone varies over another zone.
 
     The coefficients c_k with k > 0 follow from the rows of the equation. The coefficients c_0 and
     the amplitudes of the columns follow from the side conditions. On every zone the level is
@@ -33,16 +34,17 @@ class TwoLevelPreconditioner:
         self.held = np.array(sum(zones.fixed_bounded, []), dtype=np.intp)
         at = next((k for k, kind in enumerate(kinds) if kind is not None), None)
         self.own, self.levels = system.of_zones, system.levelled
-        # Rows of the condition with one row for each zone (`ByZone`). Without such a condition,
-        # these are the rows of the prescribed intensities at fixed ends, which come last.
+        # `rows` are the rows of the side condition that has one row for each zone (`ByZone`).
+        # Without such a condition, they are the rows of the intensities prescribed at fixed ends,
+        # which come last.
         self.rows = (
             slice(int(starts[-1]), None)
             if at is None
             else slice(int(starts[at]), int(starts[at + 1]))
         )
         self.absolute = self.own is not None and not self.own.differences
-        # The condition with these rows; None if there is no such condition, or if it is a condition
-        # on potentials.
+        # `closed` is the side condition that has one row for each zone; None if there is no such
+        # condition, or if it is a condition on potentials.
         self.closed = None if at is None or self.levels else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry
@@ -55,7 +57,9 @@ class TwoLevelPreconditioner:
             self._small[:, k] = self._scalars(column)
 
     def _responses(self) -> Array:
-        """Changes of the unknowns per unit of the levels' common constant and of each amplitude.
+        """Changes of the unknowns per unit of the constant shared by all levels and per amplitude.
+        A level is the constant part of the potential on a zone. An amplitude is the unknown factor
+        of one of the equation's additional functions (columns).
 
         The constant is the one that levels may share. If there is one, its column is the first.
         """
@@ -72,7 +76,10 @@ class TwoLevelPreconditioner:
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
-        """Set the zones' coefficients c_0 so that their conditions or levels equal `wanted`."""
+        """Set the first density coefficient c_0 of each zone for given values of zonal conditions.
+        These values, `wanted`, are those of the side condition with one row for each zone, or of
+        the levels, the constant parts of the potential on the zones.
+        """
         system = self.system
         if self.levels:
             assert self.coarse is not None
@@ -86,7 +93,10 @@ class TwoLevelPreconditioner:
         folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / scale
 
     def _scalars(self, folded: Array) -> Array:
-        """Left sides of the conditions `others` and of the equation for the levels' constant."""
+        """Left sides of the side conditions that act on several zones, for given unknowns.
+        If levels share an unknown constant, the left side of the equation for this constant comes
+        last. A level is the constant part of the potential on a zone.
+        """
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
@@ -99,8 +109,9 @@ class TwoLevelPreconditioner:
             assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
-            # In the equation for the common constant, the constant itself has the coefficient 1.
-            # This 1 is not part of the result: `__call__` adds it to a copy of `_small`.
+            # The levels (constant parts of the potential on the zones) share an unknown constant.
+            # In the equation for this constant, the constant itself has the coefficient 1. This 1
+            # is not part of the result: `__call__` adds it to a copy of `_small`.
             out.append(self.coarse.lowered * total)
         return np.array(out)
 

@@ -34,8 +34,8 @@ from sie.trees.far import reaches
 class QuadratureOptions:
     """Options of a system whose rows are applied by sums, without a matrix."""
 
-    # Largest total number of rows of the conditions that act on several zones. A small dense system
-    # is solved for these rows.
+    # Largest total number of rows of the side conditions that act on several zones. A small dense
+    # system is solved for these rows.
     max_dense_conditions: int = 64
     # Length of a quadrature panel in the integral of the right side g over a gap, in units of g's
     # resolution length.
@@ -122,11 +122,13 @@ class IterativeSystem(System):
 
     @cached_property
     def known_intensities(self) -> tuple[Array, Array]:
-        """The part of the intensities K at left and right ends that the unknowns do not change."""
+        """Parts of the intensities K at left and right ends that do not depend on the unknowns.
+        K is the coefficient of 1 / sqrt(distance) in the density close to an end.
+        """
         return self.intensities_of(self.beyond)
 
     def applied(self, y: Array, rough: bool = False) -> "tuple[Array, Applied]":
-        """(left sides of the equation, quantities that conditions use), for the unknowns y.
+        """(left sides of the equation, quantities that side conditions use), for the unknowns y.
 
         rough: see `ZoneSums`.
         """
@@ -146,7 +148,10 @@ class IterativeSystem(System):
         return np.asarray(np.bincount(zone, rows, minlength=len(count)), dtype=np.float64)
 
     def _with_own(self, y: Array, mean: Array, depth: Array) -> Array:
-        """Levels with the potential of each zone's own charge. depth: see `Zones`."""
+        """Part of the potential on each zone: the given `mean`, and that of the zone's own charge.
+        The charge of a zone is the integral of the density over the zone. The means of the
+        equation's columns are subtracted. depth: see `Zones`.
+        """
         solved = self.zones.solved
         w = self.zones.half[solved]
         own = mean_potential(w, self.equation.kernel.datum, depth[solved])
@@ -157,21 +162,21 @@ class IterativeSystem(System):
 
     @cached_property
     def levelled(self) -> bool:
-        """Whether a condition on potentials has a row for each zone or each pair of neighbours."""
+        """Whether a side condition on potentials has a row for each zone or pair of neighbours."""
         return self.of_zones is not None and self.of_zones.of_levels
 
     @cached_property
     def of_zones(self) -> ByZone | None:
-        """The first condition with a row for each zone or pair of neighbours; None without one."""
+        """The first side condition with a row for each zone or pair of neighbours, or None."""
         found = (by_zone(c, self.zones) for c in self.equation.conditions)
         return next((one for one in found if one is not None), None)
 
     @cached_property
     def springs(self) -> Array:
-        """For each zone, the factor of c_0 in its condition, divided by the factor of the level.
-
-        c_0 is the first coefficient of the density, and the level is the constant part of the
-        potential. The result is 0 if the condition contains no level, or differences of levels.
+        """Ratio of the factors of c_0 and of the level in the side condition of each zone.
+        c_0 is the first coefficient of the zone's density, and the level is the constant part of
+        the potential on the zone. The result is 0 if the condition contains no level, or
+        differences of levels.
         """
         own = self.of_zones
         none = np.zeros(len(self.zones.solved))
@@ -190,7 +195,8 @@ class IterativeSystem(System):
 
     @cached_property
     def step_constants(self) -> Array:
-        """Differences of `level_constants` (known parts of levels) between neighbouring zones.
+        """Differences between neighbouring zones of `level_constants`, the known parts of levels.
+        A level is the constant part of the potential on a zone.
 
         They are computed without the cancellation of large values.
         """
@@ -200,13 +206,14 @@ class IterativeSystem(System):
 
     @property
     def _known_rest(self) -> Array:
-        # The known passage of the density on a rim lies at the middle, however wide the rim is.
+        # A rim is a zone between two different end values of the density. The known change from one
+        # value to the other lies at the middle of the rim, however wide the rim is.
         none = np.zeros(len(self.zones))
         return self._with_own(self.layout.flat(self.known), self.known_field[2], none)
 
     @property
     def integrated(self) -> bool:
-        """Whether quadrature of the right side g gives the differences of g's primitive."""
+        """Whether quadrature of the right side g gives differences of the primitive of g."""
         forcing = self.equation.forcing
         return (
             forcing.resolution.length is not None
@@ -280,7 +287,7 @@ class IterativeSystem(System):
         return self.applied(y)[1].level
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Estimated round-off of each zone's level.
+        """Estimated round-off of the level of each zone, the constant part of the potential on it.
 
         A level is a zone's mean of the potential minus the primitive of g. If a condition contains
         the level of each zone, the round-off is that of the sum of all terms of a level. These are

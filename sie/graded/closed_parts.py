@@ -28,7 +28,7 @@ from sie.jumps.right_side import ForcingJumps
 
 @record
 class ClosedParts(Kept):
-    """The densities of the jumps on all zones."""
+    """Closed-form densities of the jumps of the right side, or of the density, on all zones."""
 
     zones: Zones
     kernel: Kernel
@@ -36,22 +36,25 @@ class ClosedParts(Kept):
 
     @cached_property
     def density(self) -> Density:
-        """The sum of the jumps' densities."""
+        """The density that consists of the closed-form densities of the jumps on all zones."""
         table = np.zeros((len(self.zones), SUMS.max_direct_terms))
         return Density(self.zones, self.kernel, table, self.jumps, np.zeros(0))
 
     @cached_property
     def named(self) -> list[int]:
-        """The zones with jumps."""
+        """Indices of the zones that contain jumps, in ascending order."""
         return sorted(self.jumps.by_zone)
 
     def smooth_part(self, zone: int, places: Places) -> Array:
-        """The function whose sum with the right side is smooth, at places of a zone."""
+        """The function that cancels the jumps of the right side, at points of a zone.
+        Its sum with the right side is smooth.
+        """
         left = places.from_a / self.zones.half[zone]
         return self.jumps.smooth_part(np.full(len(left), zone, dtype=np.intp), left)
 
     def transforms(self, zone: int, places: Places, x: Array, seen: list[Seen]) -> Array:
-        """Transform at places of a zone, without the closed form of the zone's own jumps.
+        """Transform of the jumps' densities at points of a zone, without its own closed form.
+        The kernel's regular part is included for all jumps.
 
         seen: the zones with jumps and their images, see `Seen`.
         """
@@ -64,7 +67,7 @@ class ClosedParts(Kept):
         return out if regular is None else out + by_quadrature(self.density.quadrature, x, regular)
 
     def potentials(self, zone: int, places: Places, x: Array, seen: list[Seen]) -> Array:
-        """Potential, at places of a zone, of the closed-form density on the zones `seen`."""
+        """Potential, at points of a zone, of the jumps' closed-form density on the zones `seen`."""
         out, totals = np.zeros(len(x)), self.density.sharp_totals
         for one in seen:
             row, half = np.full(len(x), one.zone, dtype=np.intp), self.zones.half[one.zone]
@@ -74,7 +77,7 @@ class ClosedParts(Kept):
         return out if regular is None else out + by_quadrature(self.density.quadrature, x, regular)
 
     def integrals(self, weight: Callable[[Array], Array]) -> Array:
-        """Integral of a weight times the density over each zone (Z,)."""
+        """Integral over each zone (Z,) of a weight times the closed-form density of the jumps."""
         out, size = np.zeros(len(self.zones)), SUMS.max_direct_terms
         for zone in self.named:
             while True:
@@ -96,7 +99,7 @@ class ClosedParts(Kept):
 
 @record
 class Seen:
-    """A zone with jumps, moved by `shift`, as it is seen from the places of another zone.
+    """Position of a zone with jumps, moved by `shift`, relative to the points of another zone.
 
     gap: distance between the two zones; ahead: whether the places are to the right of it. For the
     places' own zone without a shift, both are meaningless.
@@ -109,7 +112,7 @@ class Seen:
     is_own: bool
 
     def on_line(self, zones: Zones, places: Places) -> OnLine:
-        """The places in the coordinate of the zone with jumps."""
+        """The given points, as half widths from the middle of the zone with jumps."""
         half = zones.half[self.zone]
         if self.is_own:
             return OnLine.of(places.from_a / half, places.from_b / half)

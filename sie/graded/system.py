@@ -38,23 +38,26 @@ from sie.jumps.right_side import ForcingJumps
 
 @dataclass(frozen=True)
 class GradedOptions:
-    """Limits for the use of graded coordinates, and numbers of modes and unknowns."""
+    """Limits for the use of graded coordinates, which are finer next to narrow gaps.
+    Numbers of modes and unknowns are limited, too.
+    """
 
     # A gap next to a fixed end is narrow if its width is below this fraction of the wider adjacent
-    # zone. Plain series then need 200 modes or more, graded ones 50. Insensitive: half or twice
-    # this value changes only computing times.
+    # zone. Series in the coordinate t of a zone then need 200 modes or more, series in the graded
+    # coordinate 50. Insensitive: half or twice this value changes only computing times.
     max_gap: float = 0.005
-    # Up to this number of unknowns, plain coordinates are as fast as graded ones. The levels that
-    # they give have more digits.
+    # Up to this number of unknowns, the coordinate t of a zone is as fast as a graded one. Levels
+    # (constant parts of the potential on zones) have more digits with it.
     min_plain_unknowns: int = 900
     # A gap wider than this multiple of its zone's width is replaced by this multiple, so that the
     # coordinate is defined next to infinite gaps. Next to such gaps the
     # coordinate is nearly linear.
     max_grading_gap: float = 1.0
-    # Number of modes of a zone that the right side gets in addition to those that the kernel needs.
+    # Number of modes of a zone that resolve the right side, in addition to the modes that resolve
+    # fields across the gaps.
     extra_modes: int = 8
-    # If the modes of a zone do not suffice, their rate of decay gives the number for the next
-    # solution. This number is multiplied by this margin.
+    # If a zone has too few modes, the rate of decay of its coefficients gives a larger number for
+    # the next solution. This number is multiplied by this margin.
     growth: float = 1.1
     # Largest number of modes of one zone, and of all zones together. A matrix with `max_unknowns`
     # columns takes some seconds.
@@ -66,7 +69,7 @@ OPTIONS = GradedOptions()
 
 
 def gradings_of(zones: Zones, kernel: Kernel) -> list[Grading]:
-    """The graded coordinate of each zone, from the gaps on both of its sides."""
+    """The graded coordinate of each zone, determined by the widths of the gaps beside it."""
     width = 2 * zones.half
     least = np.finfo(float).tiny / np.finfo(float).eps
     before, after = (
@@ -78,13 +81,16 @@ def gradings_of(zones: Zones, kernel: Kernel) -> list[Grading]:
 
 
 def resolving_sizes(gradings: list[Grading]) -> Index:
-    """Number of modes for functions of s with singularities pi / `stretch` from the real axis."""
+    """Number of modes of each zone that resolve functions with singularities off the real axis.
+    The singularities are at the distance pi / `stretch` from the real axis of the graded coordinate
+    s.
+    """
     stretch = np.array([one.stretch for one in gradings])
     return even_sizes(-np.log(EPS) / np.arcsinh(np.pi / stretch) + OPTIONS.extra_modes)
 
 
 def first_sizes(gradings: list[Grading]) -> Index:
-    """First number of modes of each zone.
+    """Number of modes with which each zone is solved first.
 
     Fields across a gap are singular at the distance pi/B from the axis of s, with B = `stretch`. So
     Gauss's rule with n nodes integrates them with an error of exp(-2 n asinh(pi/B)).
@@ -99,7 +105,9 @@ def even_sizes(count: Array) -> Index:
 
 
 def exact_gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
-    """Widths of the gaps left and right of each zone, with the digits in `zones.rest`."""
+    """Widths of the gaps left and right of each zone, accurate also for very narrow gaps.
+    The digits of the ends beyond double precision, `zones.rest`, are included.
+    """
     left, right = (gap.copy() for gap in gaps(zones, kernel))
     between = difference(zones.a[1:], zones.b[:-1]) + (zones.rest[0, 1:] - zones.rest[1, :-1])
     left[1:], right[:-1] = between, between
@@ -111,7 +119,7 @@ def exact_gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
 
 
 def difference(x: Array, y: Array, shift: float = 0.0) -> Array:
-    """x - y - shift, rounded once only."""
+    """The difference x - y - shift with a single rounding error."""
     first = x - y
     both = first - shift
     error = sum_error(x, -y) + sum_error(first, np.full_like(first, -shift))
@@ -119,7 +127,8 @@ def difference(x: Array, y: Array, shift: float = 0.0) -> Array:
 
 
 class GradedSystem(Rows, Kept):
-    """Matrix rows of the equation on graded zones, and the quantities of `Rows`.
+    """Matrix rows, in graded coordinates, of the equation and of integrals of the density.
+    The latter rows are the quantities of side conditions (see `Rows`).
 
     sizes: number of unknowns of each zone; jumps: jumps of the right side in the zones, whose
     densities are not among the unknowns. Matrices have a column for each node of each zone, then
@@ -143,17 +152,17 @@ class GradedSystem(Rows, Kept):
 
     @cached_property
     def zone_of(self) -> Index:
-        """The zone of each source."""
+        """Index of the zone of each source (quadrature node)."""
         return np.repeat(np.arange(len(self.zones)), self.sizes)
 
     @cached_property
     def weights(self) -> Array:
-        """1/n for each source, n the number of sources on its zone."""
+        """For each source (quadrature node), 1/n with the number n of sources on its zone."""
         return np.asarray(1.0 / self.sizes[self.zone_of])
 
     @cached_property
     def from_ends(self) -> tuple[Array, Array]:
-        """Distances of all sources from the left and from the right end of their zones."""
+        """Distances of all sources (quadrature nodes) from both ends of their zones."""
         return (
             np.concatenate([one.from_a for one in self.sources]),
             np.concatenate([one.from_b for one in self.sources]),
@@ -161,7 +170,7 @@ class GradedSystem(Rows, Kept):
 
     @cached_property
     def source_x(self) -> Array:
-        """Positions of all sources."""
+        """Positions x of all sources (quadrature nodes)."""
         return np.concatenate([self.positions(i, one) for i, one in enumerate(self.sources)])
 
     def positions(self, zone: int, places: Places) -> Array:
@@ -170,13 +179,13 @@ class GradedSystem(Rows, Kept):
         return np.asarray(start + away)
 
     def _rounded(self, zone: int, places: Places) -> tuple[Array, Array]:
-        """(x of the nearer end, signed distance of a place from this end) for places on a zone."""
+        """For points of a zone, x of the nearer end and the signed distance from this end."""
         zones, left = self.zones, places.from_a <= places.from_b
         start = np.where(left, zones.a[zone], zones.b[zone])
         rest = np.where(left, zones.rest[0, zone], zones.rest[1, zone])
         return start, np.where(left, places.from_a, -places.from_b) + rest
 
-    # The methods below give the fields of all sources on one zone.
+    # The methods below give the fields that all sources (quadrature nodes) cause on one zone.
     def gaps_from(self, zone: int, shift: float) -> tuple[Array, Array]:
         """Distances of a zone from all zones moved by `shift`, to its left and to its right (Z,).
 
@@ -189,7 +198,8 @@ class GradedSystem(Rows, Kept):
         return ahead, behind + (zones.rest[0] - zones.rest[1, zone])
 
     def lags(self, zone: int, places: Places, shift: float) -> Array:
-        """x - x' - shift for places x on a zone and all sources x' (places, sources).
+        """Differences x - x' - shift of points x on a zone and all sources x' (quadrature nodes).
+        The shape is (points, sources).
 
         Entries for the zone's own sources are meaningless if the shift is zero.
         """
@@ -203,11 +213,12 @@ class GradedSystem(Rows, Kept):
             )
 
     def own(self, zone: int) -> slice:
-        """The columns of a zone's own sources."""
+        """The matrix columns of the sources (quadrature nodes) on one zone."""
         return slice(int(self.offset[zone]), int(self.offset[zone] + self.sizes[zone]))
 
     def fields(self, zone: int, places: Places) -> Array:
-        """dx/ds times the transform at `places` on a zone, for F_k = 1 at each source k.
+        """Transform at points of a zone per unit of each unknown F_k, times dx/ds.
+        F_k is the charge at source (quadrature node) k, and s the graded coordinate of the zone.
 
         The array has the shape (places, sources).
 
@@ -219,7 +230,10 @@ class GradedSystem(Rows, Kept):
         return out
 
     def far_fields(self, zone: int, places: Places) -> Array:
-        """`fields` without the pole 1 / (x - x') between points x, x' of the same zone."""
+        """Transform at points of a zone per unit of each unknown, without near terms.
+        The terms 1 / (x - x') between points x, x' of the same zone are left out. The transform is
+        multiplied by dx/ds, with the graded coordinate s of the zone.
+        """
         kernel, own = self.equation.kernel, self.own(zone)
         out = np.zeros((len(places.u), self.nodes))
         for shift in kernel.poles:
@@ -234,7 +248,8 @@ class GradedSystem(Rows, Kept):
         return out
 
     def potentials(self, zone: int, places: Places) -> Array:
-        """Potential at places of a zone (rows), for F_k = 1 at source k alone (columns).
+        """Potential at points of a zone (rows) per unit of each unknown F_k (columns).
+        F_k is the charge at source (quadrature node) k.
 
         The term log|s - s'| of the zone's own sources is left out.
         """
@@ -254,7 +269,9 @@ class GradedSystem(Rows, Kept):
 
     # The methods below assemble the equation on the solved zones.
     def equation_rows(self) -> tuple[Array, Array]:
-        """(matrix, right side) of the equation at the collocation nodes that are kept."""
+        """(matrix, right side) of the equation at the collocation nodes of all solved zones.
+        On symmetric zones, only the nodes of one half are used.
+        """
         rows, values = [], []
         for zone in self.zones.solved.tolist():
             places = self.targets[zone]
@@ -269,7 +286,7 @@ class GradedSystem(Rows, Kept):
         return np.concatenate(rows), np.concatenate(values)
 
     def row_count(self, zone: int) -> int:
-        """Number of rows of a solved zone.
+        """Number of rows (collocation nodes) of the equation on a solved zone.
 
         On a zone about the centre of symmetry both sides are odd, so that its right half is enough.
         """
@@ -277,7 +294,7 @@ class GradedSystem(Rows, Kept):
         return count // 2 if self.zones.central and zone == self.zones.solved[0] else count
 
     def right_side(self, zone: int) -> Array:
-        """Right side at the collocation nodes of a zone, without the fields of the jumps."""
+        """Right side at a zone's collocation nodes, minus the transform of the jumps' density."""
         places, forcing = self.targets[zone], self.equation.forcing
         start, away = self._rounded(zone, places)
         closed = self.closed
@@ -303,12 +320,14 @@ class GradedSystem(Rows, Kept):
                 out.append(Seen(i, shift, gap, bool(ahead[i] >= 0), i == zone and shift == 0.0))
         return out
 
-    # The methods below are those of `Rows`.
+    # The methods below give the rows of the quantities that side conditions use (see `Rows`).
     def _zero_rows(self) -> Array:
         return np.zeros((len(self.zones.solved), self.size))
 
     def _summed(self, values: Array) -> Linear:
-        """Integrals over the solved zones of the density times the given values at the sources."""
+        """Integrals over each solved zone of the density times a function.
+        values: the values of the function at the sources (quadrature nodes).
+        """
         rows = self._zero_rows()
         for row, zone in zip(rows, self.zones.solved, strict=True):
             own = self.own(zone)
@@ -330,8 +349,9 @@ class GradedSystem(Rows, Kept):
 
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self._zero_rows(), self._zero_rows()
-        # The charges F tend to zero next to a bounded end. So F is divided by `Grading.scale`, then
-        # extrapolated to the end and multiplied by the scale there.
+        # The function F, whose values at the nodes are the unknowns, tends to zero next to a
+        # bounded end. So F is divided by `Grading.scale`, then extrapolated to the end and
+        # multiplied by the scale there.
         powers = np.isfinite(self.zones.intensities).astype(float)
         for place, zone in enumerate(self.zones.solved.tolist()):
             n, grading = int(self.sizes[zone]), self.gradings[zone]
@@ -351,7 +371,7 @@ class GradedSystem(Rows, Kept):
         return row, np.zeros(1)
 
     def levels(self) -> Linear:
-        """Mean of the potential minus the right side's primitive on each solved zone.
+        """Level of each solved zone: the mean of potential minus primitive of the right side.
 
         The mean has the weight 1 / sqrt(1 - s^2), with which the mean of log|s - s'| over s is
         -log(2) for every s'.
@@ -364,8 +384,8 @@ class GradedSystem(Rows, Kept):
         for place, zone in enumerate(self.zones.solved.tolist()):
             parts = [self.targets[zone], self.gradings[zone].ends]
             n, own = self.sizes[zone], self.own(zone)
-            # The level's mean over a zone is computed by Lobatto's rule: an end has half the weight
-            # of an inner node.
+            # The level of a zone is a mean over the zone, computed by Lobatto's rule: an end has
+            # half the weight of an inner node.
             for places, weight in zip(parts, (1.0 / n, 0.5 / n), strict=True):
                 x = self.positions(zone, places)
                 rows[place, : self.nodes] += weight * self.potentials(zone, places).sum(axis=0)
@@ -403,7 +423,9 @@ class GradedSystem(Rows, Kept):
         return np.flatnonzero(self.source_of == np.arange(self.size))
 
     def fold(self, matrix: Array) -> Array:
-        """The matrix for the unknowns `kept`; on symmetric zones, equal unknowns are merged."""
+        """The matrix with columns only for the unknowns that are solved for.
+        On symmetric zones, the columns of unknowns that are mirror images of each other are added.
+        """
         if not self.zones.symmetric:
             return matrix
         follow = np.setdiff1d(np.arange(self.size), self.kept)
@@ -412,13 +434,17 @@ class GradedSystem(Rows, Kept):
         return np.asarray(matrix[:, self.kept])
 
     def unfold(self, y: Array) -> Array:
-        """All unknowns, from the values `y` of the unknowns `kept`."""
+        """All unknowns, from the values y of the unknowns that are solved for.
+        On symmetric zones, the other unknowns are mirror images of these.
+        """
         out = np.zeros((self.size, *y.shape[1:]))
         out[self.kept] = y
         return np.asarray(out[self.source_of])
 
     def series(self, unknowns: Array, powers: Array | None = None) -> Array:
-        """Chebyshev coefficients of F on each zone (zones, n), from the unknowns.
+        """Chebyshev coefficients (zones, n) of the function F on each zone, from the unknowns.
+        The unknowns are the values of F at the nodes. F is the density times sqrt(1 - s^2) dx/ds,
+        with the graded coordinate s.
 
         powers: coefficients are those of F divided by `Grading.scale` with these powers (2, zones).
         """
@@ -431,7 +457,9 @@ class GradedSystem(Rows, Kept):
         return out
 
     def powers_for(self, unknowns: Array) -> Array:
-        """Powers 0 or 1 (2, zones) of the two factors of `Grading.scale`, by which F is divided.
+        """Powers (0 or 1) of the two factors by which the function F on each zone is divided.
+        F is the density times sqrt(1 - s^2) dx/ds, with the graded coordinate s. The two factors
+        are those of `Grading.scale`, one for each end. The shape of the powers is (2, zones).
 
         The series is that of the quotient.
 
@@ -450,7 +478,7 @@ class GradedSystem(Rows, Kept):
         return out
 
     def on_finer(self, unknowns: Array, powers: Array, finer: GradedSystem) -> Array:
-        """The unknowns interpolated to the nodes of `finer`, a system on the same zones.
+        """The unknowns interpolated to the nodes of `finer`, a system with more nodes on the zones.
 
         powers: those of `powers_for`.
         """
@@ -464,7 +492,9 @@ class GradedSystem(Rows, Kept):
 
 
 def _primitive(name: str, forcing: Forcing, x: Array) -> float:
-    """The primitive of a function of the right side, summed over the places x."""
+    """Sum over the points x of the primitive of the right side or of a column.
+    name: this function in the message of the error.
+    """
     if forcing.primitive is None:
         raise ValueError(f"a condition on potentials needs the primitive of {name}")
     return float(np.asarray(forcing.primitive(x), dtype=float).sum())
