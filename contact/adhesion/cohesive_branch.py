@@ -124,8 +124,8 @@ def _greatest(
 def _lowered(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
-    """The contact reached by advancing from first touch at the control value `value`.
-    If `value` < 0, the contact advances at the control value 0, and recedes from there to `value`.
+    """The contact whose ends have advanced to equilibrium at the control value `value`.
+    If `value` < 0, they advance at the control value 0, and recede from there to `value`.
     """
     try:
         start = advancing(context, scaled, curve, max(value, 0.0))
@@ -241,8 +241,8 @@ def _sampled_farther(
     curve: CohesiveCurve, fields: ZoneFields, gap_samples: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """Samples (x, gap) outside the contact, out to points where the gap exceeds the reach.
-    The reach is the largest gap at which the tension acts. The samples of a periodic body are
-    unchanged.
+    The reach is the largest gap at which the tension acts. The samples of a body with a period or
+    with sharp corners are unchanged.
 
     Under a light load these places are far from the contact.
     """

@@ -429,8 +429,8 @@ class CohesiveEvents(Events):
     def _under_all_to(self, here: CohesiveState, value: float) -> Iterator[Jump | PathState]:
         rises = value > here.value
         end = min(value, self.full - ACCURACY.resting_step * self.size) if rises else value
-        # The path is followed while there are gaps. So the last control value `end` is slightly
-        # below `self.full`, the value at which all gaps close.
+        # The path is followed while there are gaps. So the last control value `end` is below
+        # `self.full`, the value at which all gaps close.
         at, step, halvings = here.value, MOVES.small_part * (end - here.value), 0
         while at != end:
             ahead = end if abs(step) >= abs(end - at) else at + step

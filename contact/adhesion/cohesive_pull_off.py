@@ -83,7 +83,8 @@ def _highest_within(curve: CohesiveCurve, here: State) -> float:
 
 
 def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
-    """An equilibrium near the least control value, which an approximate search estimates.
+    """An equilibrium near the least control value at which there is contact.
+    This value is estimated by means of a law without range (JKR) or on a grid.
 
     The state `here` is returned if no approximate search is possible, or if it fails.
     """
@@ -159,7 +160,8 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
 
 
 def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> State | None:
-    """An equilibrium with tension on intervals, near the least control value found on a grid.
+    """An equilibrium near the least control value with contact, which is estimated on a grid.
+    In this equilibrium the tension acts on intervals, no longer on the whole period.
 
     None if the grid gives no answer, or if no gap exceeds the reach.
     """

@@ -51,16 +51,16 @@ from sie import Array, Mask, record
 
 @dataclass(frozen=True)
 class CohesiveOptions:
-    """Options of the states on a curve of equilibria."""
+    """Options of states under a cohesive law: limits for strips of tension, states and zones."""
 
-    # A strip of tension narrower than this fraction of its zone acts like an edge intensity. States
-    # with such strips are solved to round-off, because the error of the rates is the error of the
-    # ends times (zone width/strip width)^2. At the start of a branch,
-    # `cohesive_branch._moved_outward` widens the zones of the contact without tension, so that such
-    # strips can be resolved.
+    # A strip of tension next to a zone of contact counts as narrow below this fraction of the
+    # zone's width. States with narrow strips are solved to round-off, because the rates of their
+    # residuals magnify errors of the ends by (zone width/strip width)^2. At the start of a branch,
+    # `cohesive_branch._moved_outward` moves the ends of zones outward, so that the strips can be
+    # resolved.
     narrow_strip: float = 1e-3
-    # Strips of tension narrower than this fraction of the zone's width are refused. The pressure
-    # next to such strips varies too fast.
+    # Strips of tension are refused if they are narrower than this fraction of the width of the zone
+    # next to them. The pressure at the end of such a zone varies too fast.
     narrowest_strip: float = 5e-7
     # Largest number of earlier states that are kept for warm starts.
     max_known: int = 256
@@ -137,7 +137,9 @@ class CohesiveState(State):
 
     @property
     def gains(self) -> Array:
-        """1 for each end (2n,); residuals are proportional to derivatives of energy by the ends."""
+        """Factors (2n,) from rates of the residuals to second derivatives of the energy: here 1.
+        The residuals are already proportional to first derivatives of the energy by the ends.
+        """
         return np.ones(len(self.residual))
 
 
@@ -233,9 +235,9 @@ class CohesiveCurve(Curve):
         try:
             here = self.from_zones(table, value, zones, tolerance, same_rates)
         except EndsCovered:
-            # The zones taken from `known_state` are so wide that they cover ends of intervals of
-            # tension. Zones are too wide in a state with too few of them. So the known state with
-            # the most zones is tried.
+            # The first guess of the zones, taken from `known_state`, is so wide that zones cover
+            # ends of intervals of tension. This happens if `known_state` has too few zones. So the
+            # known state with the most zones is tried.
             more = max(
                 (one for one in self.known if one.table.shape == table.shape),
                 key=lambda one: len(one.zones),
@@ -272,8 +274,8 @@ class CohesiveCurve(Curve):
         left = np.clip(move[:count], -0.4 * width, None)
         right = np.clip(move[count:], -0.4 * width, None)
         new = zones + np.column_stack((-left, right))
-        # The distance from the end of a zone to the end of its interval stays above a fifth of the
-        # old distance.
+        # Each end of an extrapolated zone keeps at least a fifth of its old distance from the end
+        # of the interval around the zone.
         room = np.array([zones[:, 0] - before.table[i, 0], before.table[i, 1] - zones[:, 1]])
         new[:, 0] = np.maximum(new[:, 0], table[i, 0] + 0.2 * room[0])
         new[:, 1] = np.minimum(new[:, 1], table[i, 1] - 0.2 * room[1])
@@ -364,7 +366,9 @@ class CohesiveCurve(Curve):
     def contact_under(
         self, pulled: TractionLoaded, value: float, zones: Array
     ) -> tuple[ZoneFields, tuple[Array, Array]]:
-        """(fields of contact pressure q, sampled gap) under a tension at a control value."""
+        """(fields of the contact pressure q, sampled gap) of the contact under a given tension.
+        q is the true pressure plus the tension.
+        """
         fields, gap_samples = self._contact_under(pulled, value, zones, InnerTolerances())
         return fields, sampled_gap(fields) if gap_samples is None else gap_samples
 
@@ -376,9 +380,9 @@ class CohesiveCurve(Curve):
         )
 
     def under_all(self, value: float, zones: Array) -> CohesiveState:
-        """The state under tension on the whole period; it counts as stable, as without adhesion.
-
-        A uniform tension on the whole period acts like an additional load.
+        """The state under tension on the whole period, where the tension has no ends.
+        It counts as stable, like a contact without adhesion, because a uniform tension on the whole
+        period acts like an additional load.
         """
         pulled, none = self.everywhere, np.zeros((0, 2))
         pull = pulled.pulling.total
@@ -459,7 +463,7 @@ class CohesiveCurve(Curve):
         return signs_hold(here.q, here.gap_samples)
 
     def vanishes(self, here: State, motion: Array) -> float:
-        """The least fraction of `motion` after which a zone of contact vanishes.
+        """Smallest factor on `motion`, a change of ends and control, at which a zone vanishes.
 
         The square of a zone's width, not the width, is nearly linear in the motion. So the zone
         vanishes after half of the fraction that the rate of its width gives.
@@ -512,8 +516,8 @@ class CohesiveCurve(Curve):
             fields.density.total - pulled.pulling.total,
             float(fields.level),
         )
-        # An interval that ends where its zone ends is pinned at a sharp corner. The gap there is 0,
-        # so that the residual 1 - gap / reach is 1.
+        # If an interval of tension and a zone of contact end at the same point, this end is pinned
+        # at a sharp corner. The gap there is 0, so that the residual 1 - gap / reach is 1.
         at = table.T.ravel()
         is_open, residual = ~np.isin(at, zones), np.ones(len(at))
         residual[is_open] -= fields.formal_gap(at[is_open]) / self.reach
@@ -536,8 +540,8 @@ class CohesiveCurve(Curve):
                 )
             )
         if state.iteration is not None:
-            # The rates need one linear solution for each end, so a matrix is factored instead of
-            # iterating.
+            # The rates of the residuals need one linear solution for each end, so a matrix is
+            # factored instead of iterating.
             state = sie.solve_fixed(
                 pulled.equation(self.inner_control(pulled, value)),
                 state.density.zones,
@@ -635,7 +639,8 @@ class CohesiveCurve(Curve):
         )
 
     def explicit(self, pulled: TractionLoaded, at: Array, transform: Array) -> Array:
-        """Derivatives of the gap at the tension's ends by their outward motions, at fixed q.
+        """Derivatives of the gap at the tension's ends by outward displacements of these ends.
+        The contact pressure q is held fixed.
 
         transform: the kernel's transform of the contact pressure q at the ends.
         """

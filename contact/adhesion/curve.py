@@ -34,7 +34,8 @@ class StateAccuracy:
     Lengths are relative to the width of the interval of each end.
     """
 
-    # Accuracy of the density in a final state: the round-off of the engine `sie`.
+    # Relative accuracy of the density (the pressure on the zones) in a final state. It is the
+    # round-off of the engine `sie`.
     density: float = 1e-14
     # Round-off times a condition number of 1e3. A growth rate, a step, a width or a height below
     # this counts as zero.
@@ -80,7 +81,8 @@ class Corners:
 
 @record
 class State:
-    """A state: intervals at a value of the control, and the residuals at their ends.
+    """Intervals at a value of the control, with the residuals of the ends of the intervals.
+    An end is in equilibrium if its residual is 0, and tends to advance if it is positive.
 
     table: the intervals (n, 2). residual: r/|K*| of the left and then the right ends (2n,).
     rates: dr/ds (2n, 2n). by_value: dr/d(value) (2n,). load, level: scaled. The residual of a
@@ -135,7 +137,9 @@ class State:
 
     @property
     def weight(self) -> Array:
-        """Scale (2n,) of each end's own rate dr/ds, to compare ends of wide and narrow zones."""
+        """Scale (2n,) of the derivative dr/ds of each end's residual r by its own displacement s.
+        Rates dr/ds divided by these scales are comparable between wide and narrow zones.
+        """
         return np.maximum(np.abs(np.diag(self.rates)), 1.0 / self.widths)
 
     @property
@@ -157,8 +161,8 @@ class State:
 
     def growth_of(self, ends: Index) -> float:
         """Largest eigenvalue of the scaled rates dr/ds, if only the given ends move.
-
-        The rates of the residuals r by the motions s are divided by the scales `weight`.
+        r are the residuals, s the outward displacements of the ends. The rates are divided by the
+        scales `weight`.
         """
         second = self._second(ends)
         values = (
@@ -169,9 +173,9 @@ class State:
         return float(values.max(initial=-1.0))
 
     def motions(self, ends: Index) -> tuple[Array, Array]:
-        """(real parts of eigenvalues, eigenvectors) of dr/ds: residuals r, end motions s.
-
-        The derivatives dr/ds are divided by the scales `weight`. Only the given ends move.
+        """(real parts of the eigenvalues, eigenvectors) of the derivatives dr/ds.
+        r are the residuals, s the outward displacements of the given ends. The derivatives are
+        divided by the scales `weight`.
         """
         second = self._second(ends)
         if second is None:
@@ -181,13 +185,15 @@ class State:
         return growth, second[1][:, None] * motions
 
     def _driven(self, ends: Index) -> Array:
-        """Derivatives of residuals of the given ends by motions of these ends, over `weight`."""
+        """Derivatives of the given ends' residuals by displacements of these ends.
+        Each row is divided by the end's scale in `weight`.
+        """
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
 
     def _second(self, ends: Index) -> tuple[Array, Array] | None:
-        """(symmetric matrix with the eigenvalues of `_driven`, factor of each end's motion).
-
-        An eigenvector of the matrix, times the factors, is a motion of the ends.
+        """(symmetric matrix with the eigenvalues of `_driven`, a factor for each end).
+        `_driven` is the matrix of scaled rates of the residuals. An eigenvector of the symmetric
+        matrix, times the factors, is an eigenvector of `_driven`.
 
         None where K/K* of an end is not positive, since the energy does not determine the rates, or
         where an interaction has no energy.
@@ -250,7 +256,8 @@ class Curve:
         tolerance: float = ACCURACY.density,
         pinned: Mask | None = None,
     ) -> State:
-        """The state on given zones: the solution of one linear problem, and its rates.
+        """The state on given zones: the solution of one linear problem, with residuals and rates.
+        The rates are derivatives of the residuals of all ends by the positions of the ends.
 
         Zones are cut at sharp corners. pinned: mask of the pinned ends; None: those at a corner
         that are not driven inward.
@@ -268,8 +275,9 @@ class Curve:
         state = solved.whole
         follows, wanted = state, problem.end.intensity
         if state.iteration is not None:
-            # The rates need one linear solution for each end. A direct method factors one matrix
-            # for all these solutions. A lower accuracy than that of `state` suffices for rates.
+            # The rates (derivatives of edge intensities by the ends) need one linear solution for
+            # each end. A direct method factors one matrix for all these solutions. A lower accuracy
+            # than that of `state` suffices for rates.
             follows = sie.solve_fixed(
                 equation,
                 state.density.zones,
@@ -315,11 +323,12 @@ class Curve:
         return self.at(here.table, value)
 
     def unit(self, here: State) -> float:
-        """Change of the control that changes some residual r/|K*| by 1, and no residual by more."""
+        """Change of the control that changes the residual of the most sensitive end by 1."""
         return 1.0 / float(np.abs(here.whole.by_value).max())
 
     def vanishes(self, here: State, motion: Array) -> float:
-        """Length along a motion (2n + 1,) at which a zone of contact inside an interval vanishes.
+        """Smallest factor on `motion`, a change of ends and control, at which a zone vanishes.
+        The zone is a zone of contact inside an interval of tension.
 
         It is infinite here, since the intervals are the zones of contact.
         """

@@ -30,7 +30,9 @@ from sie import Array, Index, record
 
 @record
 class TractionLoaded(Problem):
-    """The frictionless problem, with pressure q, of a profile that a tension has deformed."""
+    """The frictionless contact problem of a profile that a uniform tension has deformed.
+    Its pressure q is the true pressure plus the tension.
+    """
 
     tension: UniformTension | None = field(default=None)
 
@@ -58,10 +60,9 @@ class TractionLoaded(Problem):
         )
 
     def over(self, zones: Array) -> TractionLoaded:
-        """This problem, with the tension adapted to given zones of contact.
-
-        If the first or the last zone is pinned at a sharp corner, the tension's end is spread over
-        this zone.
+        """This problem, with the tension spread over zones that are pinned at sharp corners.
+        If the first or the last zone is pinned at a corner, the end of the tension there is not
+        abrupt: the tension fades out over this zone.
         """
         tension, (lo, hi) = self.pulling, self.corners
         if len(tension.table) == 0 or len(zones) == 0 or not np.isfinite(lo):
@@ -96,8 +97,9 @@ class TractionLoaded(Problem):
 
     @cached_property
     def forcing(self) -> sie.Forcing:
-        # The slope is singular at the ends of the intervals of tension (`ends`), which lie outside
-        # the zones. `trusted` saves the checks that `sie` makes of every new forcing.
+        # The slope of the deformed profile is singular at the ends of the intervals of tension
+        # (`ends`), which lie outside the zones. `trusted` saves the checks that `sie` makes of
+        # every new forcing (right side).
         bare, ends = super().forcing, self.pulling.table
         return replace(
             bare,

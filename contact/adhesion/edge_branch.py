@@ -123,7 +123,7 @@ def curve_of(context: SolveContext) -> tuple[ScaledScene, Curve]:
 
 
 def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
-    """The scaled scene; without period or corners, its unit of length is a contact's width.
+    """The scaled scene; without period or corners, a typical contact's width is the length unit.
 
     It is the width of the contact `_typical`. This contact has no adhesion, and a load that stands
     for the adhesion. intensity: that of the adhesion at the ends of zones.
@@ -185,7 +185,7 @@ def start_contact(context: SolveContext, load: float | None = None) -> Solution:
 
 
 def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: float) -> State:
-    """The equilibrium that ends reach from first touch, or from the zones without adhesion.
+    """The equilibrium reached as zones grow from first touch, or from zones without adhesion.
 
     It has the smallest zones of all equilibria that contain the start. `value`: of the control; the
     start is first touch at 0, and the zones without adhesion above 0.

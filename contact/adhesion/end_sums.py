@@ -21,9 +21,10 @@ from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 @dataclass(frozen=True)
 class EndSumOptions:
-    """Options of the cells, and of the evaluation of sums on the cells."""
+    """Options of the sums over ends of intervals, and of the cells that divide the line."""
 
-    # Largest number of ends near a cell; a cell with more near ends is halved.
+    # Largest number of interval ends closer to a cell than the cell's width. A cell with more such
+    # ends is halved.
     near_ends: int = 6
     # Largest number of pairs of a point and an end that are evaluated together. It bounds the
     # memory.
@@ -110,7 +111,8 @@ class EndSum:
         return out.reshape(x.shape)
 
     def _inside(self, x: Array, given: Array) -> Array:
-        """The sums at points x within the cells.
+        """The sum over all ends at each of the points x, which lie in cells.
+        Near ends are added directly, far ends by the Chebyshev series of the cell.
 
         given: the same points before a shift by periods, whose result x is rounded.
         """
@@ -129,7 +131,7 @@ class EndSum:
         return out
 
     def _of_cells(self, cells: Index) -> Array:
-        """Chebyshev series (terms, all cells) of the sums over far ends.
+        """Chebyshev series (terms, all cells): on each cell, the sum over ends far from the cell.
 
         Series of the given cells are computed if they are missing.
         """
@@ -158,7 +160,7 @@ class EndSum:
         return self._series
 
     def _direct(self, x: Array) -> Array:
-        """The sums at points x, computed term by term for all ends."""
+        """The sum over all ends at each of the points x, computed directly, without series."""
         out, block = np.zeros(len(x)), max(1, _OPTIONS.block // max(1, len(self._cells.ends)))
         for start in range(0, len(x), block):
             out[start : start + block] = _paired(

@@ -45,7 +45,7 @@ class PathState:
 
 @record
 class Jump:
-    """An event at which the zones change.
+    """An event of a loading path at which the zones of contact change.
 
     kind: see contact.sweeps.adhesive. place: scaled place at which the change begins. smooth: true
     if no end jumps and no energy is lost.
@@ -71,7 +71,7 @@ def moves_both_ways(curve: Curve) -> bool:
 
 @dataclass(frozen=True)
 class Events:
-    """Events of a path whose adhesion acts at the ends of zones only (JKR).
+    """Events of a loading path under adhesion that acts at the ends of zones only (JKR).
 
     cell: the interval [m] in which the surfaces first touch.
     """
@@ -108,9 +108,9 @@ class Events:
         return None
 
     def off_curve(self, here: State, value: float) -> Iterator[Jump | PathState] | None:
-        """The events of a state without free ends; None for a state with free ends.
-
-        The events end with a jump, or with the path state at the value.
+        """The events on the way to `value`, if the state's tension has no ends; otherwise None.
+        Under tension on the whole period, they end with a jump or with the path state at `value`.
+        Adhesion at the ends of zones always has ends, so None here.
         """
         return None
 
@@ -157,7 +157,7 @@ class Events:
         return PathState(rest.value, rest)
 
     def kind(self, before: PathState, after: PathState, rises: bool) -> str:
-        """Name of the kind of a jump with these path states before and after it."""
+        """Kind of a jump between two path states, such as "merge", "death" or "pull-off"."""
         if after.apart:
             return "pull-off"
         if after.closed:
@@ -165,7 +165,7 @@ class Events:
         return ("merge" if rises else "death") if after.count < before.count else "jump"
 
     def jump(self, here: State, place: float, after: PathState, rises: bool) -> Jump:
-        """The jump from an equilibrium to the path state `after`; the jump begins at `place`."""
+        """The jump from an equilibrium to the path state `after`, which begins at x = `place`."""
         before = PathState(here.value, here)
         return Jump(self.kind(before, after, rises), place, before, after)
 
