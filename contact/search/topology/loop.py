@@ -364,6 +364,10 @@ class _Loop(Generic[Kind]):
         zones = free.next_zones
         self.newton = replace(newton, tolerance=self.wanted, unresolved_fraction=0.0)
         if not corrections:
+            # The next Newton steps solve the linear systems as precisely as the last move of the
+            # ends asks for. Looser solutions would move the ends away again.
+            last = min(free.trace[-1].move, 1.0) if free.trace else 1.0
+            self.newton = replace(self.newton, initial_error=last)
             return zones.table
         certificate = replace(here.certificate, negative=negative, overlaps=overlaps)
         return self.form.corrected(zones, certificate)
