@@ -417,7 +417,9 @@ class CohesiveCurve(Curve):
 
     @property
     def yields(self) -> float:
-        """Change of the control's value for each unit of load."""
+        """Change of the control's value per unit of load: 1, or the compliance of a spring, or 0.
+        It is 1 if the load is the control, and 0 if the approach is.
+        """
         if self.control.load is not None:
             return 1.0
         return float(self.control.yields or 0.0)

@@ -70,13 +70,15 @@ class Cells(sie.Kept):
 
     @cached_property
     def near(self) -> tuple[Index, Index]:
-        """(indices of ends for each cell, near ends first; number of ends near each cell)."""
+        """(indices of ends for each cell, near ends first; number of ends near each cell).
+        An end is near a cell if its distance from the cell is less than the cell's width.
+        """
         near = self._is_near(self.edges)
         count = near.sum(axis=1)
         return np.argsort(~near, axis=1, kind="stable")[:, : int(count.max())], count
 
     def far(self, cells: Index) -> Mask:
-        """Mask (cells, e) of the ends that are not near the given cells."""
+        """Mask (cells, e) of ends that are farther from the given cells than the cell's width."""
         far = np.ones((len(cells), len(self.ends)), dtype=bool)
         order, count = self.near
         row, k = np.nonzero(np.arange(order.shape[1]) < count[cells][:, None])

@@ -39,13 +39,13 @@ NUMERICAL_ERRORS = (ValueError, ArithmeticError, np.linalg.LinAlgError, IndexErr
 
 @dataclass(frozen=True)
 class SnapOptions:
-    """Options of the early test for full contact."""
+    """Options of the test, on a grid, whether a contact would end in full contact."""
 
-    # Fraction of the work of adhesion in the grid test that is made before a contact is followed
-    # step by step. The grid test after a failure uses the whole work.
+    # Factor on the work of adhesion in the grid test for full contact, if the test is made before
+    # the contact is followed step by step. A test after a failure uses the whole work.
     work_share: float = 0.9
-    # Width of the strip of attraction, in cells of the grid. With only 3 cells, the ends of the
-    # zones would stick to the cells.
+    # Width, in cells of the grid, of the strip around a zone on which the adhesion acts. With only
+    # 3 cells, the ends of the zones would stick to the cells.
     strip_cells: float = 6.0
 
 

@@ -91,7 +91,7 @@ def _flow(
 
 
 def at_rest(here: State, move: float, rest: float = ACCURACY.resting_step) -> bool:
-    """Whether ends are at rest after a step.
+    """Whether all ends of intervals have converged to an equilibrium after a step.
 
     move: largest move relative to the widths. rest: largest Newton step of ends at rest. A step may
     be short only because another end reached its corner: then Newton's next step is longer.
@@ -106,9 +106,8 @@ def at_rest(here: State, move: float, rest: float = ACCURACY.resting_step) -> bo
 
 
 def _predictor(curve: Curve, here: State, sign: float) -> Predictor | None:
-    """The predictor of the residuals along the next step.
-
-    None for few zones, sharp corners or small residuals, where Newton's step is better.
+    """A predictor of the residuals of all ends during the next step; None if it is no use.
+    It is None for few zones, sharp corners or small residuals, where Newton's step is better.
     """
     if (
         len(here.table) < MOVES.few_zones
@@ -134,7 +133,10 @@ def _predicted_step(curve: Curve, here: State, sign: float, predicted: Predictor
 
 
 def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(next state, largest motion of an end, relative to the smaller of its zone and its gap)."""
+    """(next state of the flow, largest relative displacement of an end in this step).
+    The displacement is divided by the width of the end's zone or of the gap next to the end,
+    whichever is smaller.
+    """
     onward = sign * here.residual
     if onward.min() < -MOVES.small_drive or (
         here.growth >= 0.0 and onward.max() <= ACCURACY.coarse < -onward.min()
@@ -170,11 +172,11 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             continue
         passed = overshoots(here, ahead, step, sign)
         if not passed.any():
-            # After a failed step, the motion is returned as inf. Otherwise the short motion would
-            # count as convergence.
+            # If an attempt has failed before, the motion is returned as inf, because the motion of
+            # the shortened step would count as convergence.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
-        # From the second overshoot on, ends that went too far take at most half of the step. So
-        # few attempts follow.
+        # From the second overshoot on, ends that went too far take at most half of their step, so
+        # that few attempts follow.
         most = 0.9 if back_again == 0 else 0.5
         limit = _shorter(here, limit, step, np.where(passed, _chord(here, ahead, most), 0.9))
         back_again += 1
@@ -204,7 +206,7 @@ def _chord(here: State, ahead: State, most: float = 0.5) -> Array:
 
 
 def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(state after an implicit Euler step within the limits, inf as the size of the move).
+    """(state after an implicit Euler step within the limits, inf in place of the step's size).
 
     This step is taken where some ends are driven back while others advance, as under a fixed
     approach.
@@ -225,7 +227,7 @@ def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
 
 
 def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
-    """(longest steps of the ends in the direction of the flow, longest steps against it)."""
+    """(longest allowed steps of the ends in the direction of the flow, and against it)."""
     inward, outward = inward_and_outward(curve, here)
     if here.corners is not None:
         # An end moves at most to its sharp corner. The corner does not limit the step of a pinned
@@ -237,7 +239,7 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
 
 
 def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tuple[Array, Array]:
-    """(longest inward steps of the ends, longest outward steps), regardless of sharp corners.
+    """(longest allowed inward steps of the ends, outward ones), regardless of sharp corners.
 
     detailed: whether they are also limited to the smallest feature of the profile.
     """
@@ -277,7 +279,7 @@ def closing(curve: Curve, here: State, predicted: Predictor | None = None) -> Ar
 
 
 def lost_zones(here: State, widths: Array, residual: Array) -> Mask:
-    """Mask of the zones that will vanish: the inward drive of their ends grows as they narrow.
+    """Mask of zones that will vanish: the narrower they get, the more their ends recede.
 
     Such a zone is much narrower than at the state where its ends were driven inward least.
     widths, residual: width of the zone and residual of each end (2n,) at that state.
@@ -350,8 +352,9 @@ def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
         | (here.growth < 0.0 <= ahead.growth)
         | (after < -MOVES.small_drive)
     )
-    # An end that has passed an equilibrium does not come back if `ahead` is unstable. So no
-    # overshoot is allowed if the growth rate of `ahead` is at least the decay rate of `here`.
+    # An end that has passed an equilibrium in the step does not come back if the state `ahead`,
+    # after the step, is unstable. So no overshoot is allowed if the growth rate of `ahead` is at
+    # least the decay rate of `here`.
     if 0.0 < -here.growth <= ahead.growth:
         allowed = np.where(before > 0.0, -ACCURACY.coarse, allowed)
     # Ends that were pinned before the step are left out: they have passed no equilibrium.

@@ -69,7 +69,7 @@ class GridGuide(sie.Kept):
 
     @classmethod
     def of(cls, problem: Problem, table: Array | None, by_load: bool) -> "GridGuide | None":
-        """The guide for scaled intervals `table`; None if its grid would need too many cells."""
+        """The grid problem around the scaled intervals `table`; None if it needs too many cells."""
         profile, law, units = problem.profile, problem.law, problem.units
         if problem.period is not None and profile.period is not None:
             x0, width = profile.x0, profile.period
@@ -126,7 +126,7 @@ class GridGuide(sie.Kept):
         reach: float,
         warm_start: GridState | None = None,
     ) -> GridRest:
-        """Intervals and zones at equilibrium, after growth (sign 1) or shrinking (sign -1).
+        """Intervals of tension and zones in equilibrium, after growth (sign 1) or shrinking (-1).
 
         reach: factor on the law's reach. table: the first intervals; None for tension in all of a
         period. Raises ContactLost, Closed, or NotConverged at the border of the window.
@@ -211,7 +211,7 @@ class GridGuide(sie.Kept):
         return state
 
     def _shares(self, table: Array) -> Array:
-        """Fraction of each cell that is covered by the intervals."""
+        """Fraction of each cell that is covered by the intervals of tension."""
         rows = np.asarray(self.problem.units.x(table)) - self.x0
         edges = self.cell * np.arange(self.points + 1)
         out = np.zeros(self.points)

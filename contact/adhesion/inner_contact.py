@@ -35,7 +35,7 @@ class InnerContactOptions:
     # The gap of an isolated body is sampled up to this distance, relative to the span of its zones
     # and tension intervals.
     far: float = 1024.0
-    # Number of times that sample points are added near extrema.
+    # Number of rounds in which sample points are added near extrema of the gap or the pressure.
     refinements: int = 3
 
 
@@ -84,6 +84,7 @@ def contact_under(
     tolerances: InnerTolerances,
 ) -> tuple[ZoneFields, tuple[Array, Array] | None]:
     """(fields of the contact pressure q under a tension, sampled gap outside the zones).
+    q is the true pressure plus the tension.
 
     control: the control of the contact as a function of the problem; zones: a first guess; formal:
     whether the number of zones is kept and the signs are not checked (the gap is then None).
@@ -116,7 +117,7 @@ def _with_ends(
     tolerances: InnerTolerances,
     plain: bool,
 ) -> tuple[TractionLoaded, sie.AnyState]:
-    """(problem, state) for the zones whose ends were found from a first guess.
+    """(problem, solved state) of the zones in equilibrium, whose ends start from a guess.
 
     Plain Newton steps are tried first if `plain` is set. If they fail, the engine's search is used:
     it accounts for the interaction of ends across narrow gaps, but does not support sharp corners.
@@ -177,8 +178,8 @@ def _settled(
         least = np.minimum(width, np.where(shared | pinned, np.inf, np.maximum(room, 1e-300)))
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
-        # The search also ends if short Newton steps no longer decrease. Next to narrow strips of
-        # tension, the round-off of the steps may exceed the tolerance.
+        # The search ends if the Newton step is small enough, or if short steps no longer decrease.
+        # Next to narrow strips of tension, the round-off of the steps may exceed the tolerance.
         if miss < tolerances.ends or (stuck > 2 and miss < 10 * ACCURACY.resting_step):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
@@ -238,8 +239,8 @@ def _steps(
         overshot = np.abs(k) > MOVES.least_part * np.abs(before[1])
         turned = (k * before[1] < 0) & overshot & ~pinned
         step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
-    # Near the end of an interval, the intensity K is linear in the square root of the distance from
-    # it. So the Newton step is made in this square root.
+    # Near the end of an interval of tension, the intensity K is linear in the square root of the
+    # distance from this end. So this square root is the variable of the Newton step.
     alone = ~shared & np.isfinite(step) & (room > 0)
     own = np.where(alone, room, 1.0)
     least_root = np.sqrt(MOVES.least_part)
@@ -294,7 +295,7 @@ def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
 
 
 def _beside_corners(pulled: TractionLoaded, zones: Array) -> Mask:
-    """Mask (2, n) of the ends next to which the interval of tension ends at a sharp corner."""
+    """Mask (2, n) of zone ends that face the end of an interval of tension at a sharp corner."""
     return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
 
 
@@ -358,9 +359,8 @@ def _searched(
 
 
 def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
-    """Distance (2, n) of each end to the next obstacle; whether the obstacle is another zone.
-
-    The obstacle is another zone or the end of the interval of tension around the zone.
+    """(distances (2, n) of the ends to the next obstacle, mask of obstacles that are zones).
+    An obstacle is another zone, or the end of the interval of tension around the zone.
     """
     right = np.diff(gaps_between(zones, pulled.round))[:, 0]
     to_obstacle, own = np.array([np.roll(right, 1), right]), _own(pulled, zones)
@@ -369,7 +369,7 @@ def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
 
 
 def _own(pulled: TractionLoaded, zones: Array) -> Array:
-    """Interval of tension around each zone (n, 2); without tension, that between the corners."""
+    """Interval of tension around each zone (n, 2); without tension, the one between the corners."""
     table = pulled.pulling.table
     return (
         table[interval_of(zones, table)]
@@ -379,7 +379,7 @@ def _own(pulled: TractionLoaded, zones: Array) -> Array:
 
 
 def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
-    """(zones joined across closed gaps, `first` of these zones).
+    """(zones joined across closed gaps, initial widths of the joined zones).
 
     first: the widths of the zones when the search began. A joined zone keeps this width of its
     leftmost part.
@@ -470,7 +470,7 @@ def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
 def _refined(
     fields: ZoneFields, zone: int, place: Array, q: Array, least: float
 ) -> tuple[Array, Array]:
-    """(places on a zone, pressure q there); places are added near minima of the pressure."""
+    """(points of a zone, pressure q at the points); points are added near minima of q."""
     density, zones = fields.density, fields.density.zones
     for _ in range(_OPTIONS.refinements):
         inner = np.flatnonzero((q >= least) & (reaches(-q) > 0.0))
@@ -499,7 +499,7 @@ def signs_hold(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> bool:
 
 
 def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | None:
-    """The zones without places of negative pressure q, and with new zones where surfaces overlap.
+    """The zones without parts of negative pressure q, with new zones where surfaces overlap.
 
     None if there are no such places.
     """
@@ -537,7 +537,8 @@ def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | 
         if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
             continue
         middle = 0.5 * (x[s] + x[e])
-        # The new zone is half as wide as the overlap, but at least a tenth of `hi - lo` wide.
+        # The new zone is half as wide as the overlap, but at least a tenth of `hi - lo` wide, where
+        # lo and hi are the sample points on both sides of the overlap.
         half = 0.25 * max(x[e] - x[s], 0.2 * (hi - lo))
         # A new zone at a sharp corner has one end at the corner.
         middle += (

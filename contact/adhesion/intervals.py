@@ -104,7 +104,7 @@ def below(
 def joined(
     table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None
 ) -> Array:
-    """The intervals `table` and `new`; rows of `table` marked in `joins` are joined to the next."""
+    """The intervals `new` and `table`; each one of `table` marked in `joins` joins the next."""
     joins = joins.copy()
     if period is None:
         joins[-1] = False

@@ -26,7 +26,8 @@ from sie import Array
 
 
 def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> CohesiveState | None:
-    """A state just inside the smallest equilibrium whose zones contain the given `zones`.
+    """A state whose zones are slightly narrower than those of a certain equilibrium.
+    This is the smallest equilibrium whose zones contain the given `zones`.
 
     All ends of the state are driven outward. It is built around the zones that a law without range
     has with a little less adhesion. None where strips are wider than zones, or the guide fails.
@@ -77,8 +78,9 @@ def _with_range(
     d = np.full(len(by_slope), wide)
     for _ in range(LIMITS.max_iterations):
         d -= (d * (1 + by_slope * np.sqrt(d)) - wide) / (1 + 1.5 * by_slope * np.sqrt(d))
-    # The strip of tension next to a tip takes up the fraction sqrt(d / wide) of the intensity K.
-    # The tips move inward until their residual is the remaining fraction, 1 - sqrt(d / wide).
+    # The strip of tension next to an end of a zone takes up the fraction sqrt(d / wide) of the edge
+    # intensity K. So the ends of the zones of `tips` move inward until their residual is the
+    # remaining fraction, 1 - sqrt(d / wide).
     inward: Array = np.asarray(
         np.linalg.solve(-tips.rates, 1 - np.sqrt(d / wide) - tips.residual), dtype=np.float64
     )
@@ -131,8 +133,8 @@ def near_pull_off(
         passed.append(first)
         last = apart.near_the_last(short, first, recede_on)
         for value in apart.controls_above(last.value, here.value):
-            # The zones recede from a state in `passed` whose control is at least `value`. Among
-            # these states it is the one with the least control.
+            # `above` is the state in `passed` with the least control that is not below `value`. The
+            # zones of this state recede to an equilibrium at `value`.
             above = min((one for one in passed if one.value >= value), key=lambda one: one.value)
             tips = gradient_flow.receded(short, above.table, value)
             start = None if tips is None else _with_range(curve, short, tips, -MOVES.margins[0])

@@ -180,5 +180,5 @@ class LoadingPath:
 
 
 def _place(before: State, after: State) -> float:
-    """Place of the first end that is pinned in only one of two states."""
+    """Position of the first end that is pinned (at a sharp corner) in only one of two states."""
     return float(before.table.T.ravel()[int(np.argmax(before.pinned != after.pinned))])

@@ -38,7 +38,8 @@ def grown(curve: Curve, table: Array, value: float, rest: float = ACCURACY.resti
 
 
 def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
-    """The zones of a state and narrow new zones in `overlaps`, without those that would recede.
+    """The zones of a state, with narrow new zones in `overlaps` where these would not recede.
+    Overlaps are intervals in which the surfaces overlap.
 
     A new zone is left out if the residuals of both ends are negative. If this is true of all new
     zones, all are kept.
@@ -54,13 +55,14 @@ def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
 
 
 def with_new(table: Array, overlaps: Array) -> Array:
-    """The zones, and a narrow new zone in the middle of each overlap."""
+    """The zones, and a narrow new zone in the middle of each overlap of the surfaces."""
     middle, half = overlaps.mean(axis=1), 0.5 * MOVES.new_width * np.diff(overlaps, axis=1)[:, 0]
     return ascending(np.concatenate((table, np.column_stack((middle - half, middle + half)))))
 
 
 def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Array:
-    """Narrow intervals about the lowest places of the profile in `cell`, which is in metres.
+    """Narrow intervals around the lowest points of the profile, where surfaces first touch.
+    `cell` is the part of the profile, in metres, that is searched.
 
     Their ends are all driven outward under a value of the control, or pinned at sharp corners. On a
     level stretch of the profile the interval is as wide as this stretch.
@@ -85,8 +87,8 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
     if profile.support is not None:
         low = np.append(low, ends[[f[0] <= f[1], f[-1] <= f[-2]]])
     together = ACCURACY.neutral * max(float(np.ptp(f)), 1.0)
-    # A level stretch that crosses the border of the cell would be found twice, at both borders. In
-    # this case no level stretch is used.
+    # A level stretch of the profile (of constant, lowest height) would be found twice, at both
+    # borders, if it crossed the border of the cell. In this case no level stretch is used.
     whole = profile.support is not None or not (
         f[0] - least <= together and f[-1] - least <= together
     )
@@ -136,7 +138,7 @@ def changes_between(
 
 
 def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
-    """An interval around the place (a, b) of a future zone; it contains no other zone."""
+    """An interval that contains (a, b), where a zone begins or vanishes, and no other zone."""
     lo, hi = 1.5 * a - 0.5 * b, 1.5 * b - 0.5 * a
     for shift in (0.0,) if period is None else (-period, 0.0, period):
         for left, right in zones + shift:

@@ -14,7 +14,7 @@ class SearchLimits:
     # change nothing, as 2^-80 is far below round-off.
     max_iterations: int = 80
     # Largest number of steps in one loop: of a gradient flow, along a curve of equilibria, or while
-    # intervals grow on a grid. It is also the largest number of events in a row.
+    # intervals grow on a grid. It is also the largest number of events of one loading path.
     max_steps: int = 3000
     # Number of attempts of a fast method before a slower and more reliable method is used.
     patience: int = 4
@@ -28,10 +28,12 @@ class MoveOptions:
     in the direction of the flow.
     """
 
-    # Longest step of an end. If both ends of a gap move by this length, a fifth of the gap is left.
+    # Longest step of an end, divided by the width of the interval or gap next to it. If both ends
+    # of a gap move by this length, a fifth of the gap is left.
     max_move: float = 0.4
-    # Length of a short step of an end. Ends with a small residual make short steps against the
-    # direction of the flow. A short step also leads away from an unstable equilibrium.
+    # Length of a short step of an end, divided by the width of the interval or gap next to it. Ends
+    # with a small residual make short steps against the direction of the flow. A short step also
+    # leads away from an unstable equilibrium.
     short_move: float = 0.02
     # Factor by which a failed step is shortened. From one step to the next, a step length grows at
     # most by 1 / `least_part`, and the unit of the control falls at most by `least_part`.
@@ -42,8 +44,8 @@ class MoveOptions:
     # Largest accepted error of a predicted residual. A larger residual of the wrong sign shows that
     # an end has passed an equilibrium, even after a short step.
     small_drive: float = 0.05
-    # If the residuals of both ends of a gap or zone exceed this, the gap or zone vanishes before
-    # the ends reach equilibrium.
+    # If both ends of a gap (or zone) tend to close it with residuals that exceed this number in
+    # size, the gap (or zone) vanishes before its ends reach equilibrium.
     hard_drive: float = 0.5
     # A gap has closed if it is narrower than this fraction of the narrower zone next to it. A zone
     # is lost if it is narrower than this fraction of its former width. In the gradient flow, the

@@ -208,8 +208,9 @@ class _CohesivePath:
         else:
             zones = here.contact[np.diff(here.contact, axis=1)[:, 0] > 0.0]
             start = self.curve.from_zones(here.table, value, zones)
-        # `far` is an approach so far below zero that the reach of the tension and the present
-        # approach are small beside it: their sum is the fraction `resting_step` of the way.
+        # `far` is an approach so low that the surfaces are surely apart. The way from `value` to
+        # `far` is the sum of the tension's reach and |`value`|, divided by the small number
+        # `resting_step`.
         far = value - (self.curve.reach + abs(value)) / ACCURACY.resting_step
         try:
             for found in LoadingPath(self.events).to(PathState(value, start), far):

@@ -30,10 +30,11 @@ from sie import Array, Kept, Mask, record
 class PredictorOptions:
     """Options of the prediction of the residuals of moving ends."""
 
-    # Number of places on the path of an end. They are evenly spaced in the square root of the
-    # distance from the end.
+    # Number of points on the predicted path of an end. They are evenly spaced in the square root of
+    # the distance from the start of the path.
     places: int = 64
-    # The path is so short that each feature of the profile on it has at least this many places.
+    # Least number of points of an end's path in each feature of the profile. It limits the length
+    # of the path.
     places_per_feature: int = 4
 
 
@@ -96,7 +97,7 @@ class Predictor(Kept):
 
     @property
     def first(self) -> Array:
-        """Residual (2n,) of each end at the start; positive if it drives the end's motion."""
+        """Residual (2n,) of each end at the start of its path; positive if it drives the motion."""
         return self.driven[:, 0]
 
     @cached_property
@@ -113,7 +114,7 @@ class Predictor(Kept):
         return np.maximum(1.0, self.first)
 
     def step(self, limit: Array) -> Array:
-        """Distance (2n,) that each end moves.
+        """Distance (2n,) that each end moves in the predicted step.
 
         The end stops where its predicted residual is small, or at its limit.
         """
@@ -169,7 +170,7 @@ class Predictor(Kept):
 
 
 def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:
-    """Intensity -K (2n, places) that each end would have at each of the places on its path.
+    """Edge intensity -K (2n, points) that each end would have at each point of its path.
 
     The path leads outward for `sign` > 0, else inward.
     """
@@ -191,7 +192,8 @@ def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) ->
 
 @cache
 def _abel() -> tuple[Array, Array]:
-    """Matrices that give the intensity K: from the gap, and from pressure times sqrt(distance).
+    """Two matrices that give the edge intensity K: one from the gap, one from the pressure.
+    The pressure is multiplied by the square root of the distance from the end.
 
     The gap or pressure is given at the places on the path. The first matrix still has to be divided
     by the square root of the farthest distance.
@@ -200,8 +202,8 @@ def _abel() -> tuple[Array, Array]:
     node, weight = np.polynomial.legendre.leggauss(_OPTIONS.places)
     at = part[1:, None] * np.sin(0.25 * np.pi * (1 + node))
     unit = CubicSpline(part, np.eye(len(part)))
-    # In the slope h/sqrt(y) of the gap, y is the distance from the end. The factor h is half of the
-    # gap's derivative by sqrt(y).
+    # The slope of the gap is written h/sqrt(y), with the distance y from the end. So h is half of
+    # the gap's derivative by sqrt(y).
     mean = [
         np.einsum("jmk,m->jk", values, 0.5 * weight) for values in (0.5 * unit(at, 1), unit(at))
     ]

@@ -30,7 +30,7 @@ PANEL_NODES = 16
 
 @dataclass(frozen=True)
 class SpreadEnd:
-    """An end of a uniform tension that is spread over the zone (a, b) of contact."""
+    """A gradual end of a uniform tension, which fades out over the zone (a, b) of contact."""
 
     a: float
     b: float
@@ -44,9 +44,8 @@ class SpreadEnd:
         return 0.5 * (self.b - self.a)
 
     def log(self, x: Array) -> Array:
-        """Potential at points x of a unit load that is distributed over the zone like mu.
-
-        It is int ln|x - xi| d mu, with the measure mu (head of this module).
+        """Potential at points x of a unit load with density 1 / (pi sqrt((xi - a) (b - xi))).
+        It is the integral of ln|x - xi| times this density, for xi in the zone (a, b).
         """
         return np.asarray(np.log(0.5 * self.half) + np.arccosh(self._beyond(x)[1]))
 
@@ -140,9 +139,8 @@ class SpreadEnd:
         return of_poles(x, self.primitive) + rate * (x - self.middle) + self.mean(remainder, x)
 
     def lacking(self, end: int, panels: int, breaks: Array) -> tuple[Array, Array]:
-        """(points, weights) for integrals of a function times the missing fraction of the tension.
-
-        The missing fraction is 1 - eta, where eta is the local fraction of the tension.
+        """(points, weights) for integrals over the zone of a function times 1 - eta.
+        eta is the local fraction of the tension, which fades out over the zone.
 
         end: 0 if the left end of the tension is spread, -1 if the right one is. The rule has panels
         between the `breaks`.
@@ -167,8 +165,8 @@ def line_load(z: Complex, period: float | None) -> tuple[Complex, Complex]:
     with np.errstate(divide="ignore", invalid="ignore"):
         if period is None:
             return np.log(z), 1 / z
-        # 2 sin(u) = i exp(-iu) (1 - exp(2iu)). The last factor repeats when u grows by pi, so
-        # multiples of pi are removed from its u.
+        # 2 sin(u) = i exp(-iu) (1 - exp(2iu)). The last factor repeats when u grows by pi. So
+        # multiples of pi are removed from u in this factor.
         u = np.pi / period * z
         turned = u - np.pi * np.round(z.real / period)
         less = -np.expm1(2j * turned)

@@ -51,7 +51,9 @@ class UniformTension(sie.Kept):
 
     @property
     def spreads(self) -> list[tuple[int, SpreadEnd]]:
-        """(0 for the first or -1 for the last end, its `SpreadEnd`) for each spread end."""
+        """For each gradual end of the tension: (0 for the first end or -1, its `SpreadEnd`).
+        A gradual end fades out over a zone that is pinned at a sharp corner.
+        """
         return [
             (end, zone) for end, zone in zip((0, -1), self.spread, strict=True) if zone is not None
         ]
@@ -87,7 +89,9 @@ class UniformTension(sie.Kept):
         return out
 
     def share(self, x: Array) -> Array:
-        """Local fraction eta of the tension: 1 in intervals, 0 outside, 0 to 1 at spread ends."""
+        """Local fraction eta of the tension: 1 in intervals, 0 outside, between where it fades out.
+        It fades out over zones that are pinned at sharp corners.
+        """
         out = self.holds(x).astype(float)
         for end, zone in self.spreads:
             t = nearest_image(x - zone.middle, 0.0, self.period) / zone.half
@@ -163,7 +167,9 @@ class UniformTension(sie.Kept):
 
     @cached_property
     def _signs(self) -> Array:
-        """Sign of each end in sums: 1 for left and -1 for right ends, 0 for those of `spreads`."""
+        """Sign of each end in sums: 1 for left and -1 for right ends, 0 for gradual ends.
+        Gradual ends (`spreads`) are added separately.
+        """
         signs = np.tile((1.0, -1.0), len(self.table))
         signs[[end for end, _ in self.spreads]] = 0.0
         return signs
@@ -243,7 +249,9 @@ class UniformTension(sie.Kept):
         return out
 
     def _regular(self, x: Array) -> Array:
-        """Integral of the potential's regular part over the intervals, by Gauss quadrature."""
+        """Integral of the potential's regular part over the intervals of tension.
+        It is computed by Gauss quadrature.
+        """
         at, weights = self._panels
         flat, out = x.ravel(), np.zeros(x.size)
         block = max(1, 2**20 // len(at))
