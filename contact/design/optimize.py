@@ -410,7 +410,7 @@ def _lowest_levels(problem: _Problem, unit: float) -> Design:
         bounds=[(0.0, 1.0)] * n + [(0.0, None)] * many,
         method="SLSQP",
         constraints=[{"type": "ineq", "fun": rooms, "jac": slopes}],
-        options={"ftol": problem.tol},
+        options={"ftol": problem.tol, "maxiter": max(100, 10 * n)},  # as many peaks become equal
     )
     best = _within(found.x[:n])
     tops = problem.tops(best)
