@@ -42,15 +42,16 @@ from sie import Array, record
 
 
 class SceneCache(sie.Kept):
-    """Results shared by scenes that differ only in their control; each result is computed once."""
+    """Results shared by scenes that differ only in the given load, approach or width.
+    Each result is computed once.
+    """
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
 
     def of(self, scene: Scene) -> SceneCache:
         """This cache if its profile, interaction, substrate, law and E* are those of `scene`.
-
-        Otherwise a new cache.
+        Otherwise a new, empty cache.
         """
         own = self.scene
         same = (
@@ -78,7 +79,7 @@ class SceneCache(sie.Kept):
         return starts_from_one_zone(self.scene)
 
     def relief(self, problem: Problem) -> ScaledRelief:
-        """The relief R, scaled: the negative of the pressure that flattens the profile.
+        """The scaled relief R: minus the pressure that would flatten the profile.
 
         R has mean zero (see `Relief`). It is sampled once and shared.
         """
@@ -100,14 +101,16 @@ class SceneCache(sie.Kept):
 # a cache. It returns the scene's solution.
 Solver = Callable[[Scene, float, Progress | None, Solution | None, SceneCache], Solution]
 
-# Tolerance of the zone ends and of the density, divided by the wanted error of the solution. This
-# fraction is below one, as several truncation errors add up.
+# Tolerance of the zone ends and of the density (the unknown function, such as the pressure),
+# divided by the wanted error of the solution. This fraction is below one, as several truncation
+# errors add up.
 INNER = 0.1
 
 
 @record
 class SolveContext:
-    """The inputs of one solve: scene, tolerances, cache, plan and similar solutions.
+    """The inputs of one solve: scene, tolerances, similar solutions, cache of shared results.
+    The plan records the decisions of the solve.
 
     tol: the wanted error. tolerance: of the ends and of the density. cache: results shared with
     scenes of the same profile and model. solver: a function that solves intermediate scenes.
@@ -138,7 +141,7 @@ class SolveContext:
         cache: SceneCache | None = None,
         **others: Any,
     ) -> SolveContext:
-        """The context of a scene with a new plan. others: further fields of the new context."""
+        """The context for a scene, with a new plan (log of decisions). others: its other fields."""
         made = plan(scene)
         way, because = "coupled system", why_not_closed(scene.law, scene.E_star)
         if scene.law.routes.module is not None:
@@ -179,7 +182,7 @@ class SolveContext:
 
     @property
     def follows_branch(self) -> bool:
-        """Whether the law has several equilibria and the control is not a half width."""
+        """Whether the law allows several equilibria under one load, and no half width is given."""
         return self.scene.law.equilibria.several and self.scene.held(Quantity.HALF_WIDTH) is None
 
     def with_warm_start(self, solution: Solution | None) -> SolveContext:
@@ -187,7 +190,9 @@ class SolveContext:
         return replace(self, warm_start=solution)
 
     def control(self, problem: Problem) -> Control:
-        """The scaled control of the scene; a `Machine` if a spring is in series with the body."""
+        """The given quantity of the scene, such as its load or approach, in scaled units.
+        It is a `Machine` if a spring is in series with the body.
+        """
         control, units = scaled_control(self.scene, problem.units), problem.units
         return (
             control
@@ -198,7 +203,7 @@ class SolveContext:
     def refine_topology(
         self, problem: Problem, control: Control, table: Array, **settings: Any
     ) -> SolvedZones | Failure:
-        """Zones that pass the certificate, found from the proposed zones `table`, or a Failure.
+        """Zones that pass the check of signs, found from the first guess `table`; or a Failure.
 
         settings: those of `NewtonSettings`, except the tolerance.
         """

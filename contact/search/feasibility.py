@@ -23,7 +23,8 @@ from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
 from sie import Array, Mask
 
-# Distances [m] from x = 0 that are far larger than any contact.
+# Distances [m] from x = 0, far larger than any contact, at which the growth of the profile is
+# tested.
 _DISTANCES = 10.0 ** np.arange(5, 13)
 _REMEDY = (
     "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, "
@@ -60,7 +61,7 @@ def refuse_below_plateau(scene: Scene) -> None:
 
 
 def lowest_stretches(profile: Profile) -> Array:
-    """Intervals (n, 2) of a period [m] on which the profile f is least and its slope is zero.
+    """Intervals (n, 2) [m] of one period on which the profile is flat and has its least height.
 
     Only intervals wider than two samples are found.
     """
@@ -92,7 +93,7 @@ def lowest_stretches(profile: Profile) -> Array:
 
 
 def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-untyped-def]
-    """The place between `inside` and `outside` up to which `holds` is true, by bisection."""
+    """The x between `inside` and `outside` where the condition `holds` ends, by bisection."""
     while (middle := 0.5 * (inside + outside)) not in (inside, outside):
         if bool(holds(np.array([middle]))[0]):
             inside = middle

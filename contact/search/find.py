@@ -61,7 +61,7 @@ def found(context: SolveContext) -> Outcome:
 
 
 def _says_more(later: Exception, first: Exception | None) -> bool:
-    """Whether a later error replaces the first one: it must state that no contact exists.
+    """Whether the error `later` replaces `first`: only if it states that no contact exists.
 
     It does not replace the error `LevelOfFullGrid`: the given approach is that of full contact.
     """
@@ -82,7 +82,7 @@ def _from_previous_zones(context: SolveContext, refused: Failure | None) -> Outc
 
 
 def _at_known_tilt(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """Newton's method from a similar solution, whose tilt is the guess of the unknown tilt."""
+    """The contact by Newton's method, from the zones and the tilt of a similar solution."""
     start, scene = context.warm_start, context.scene
     if (
         start is None
@@ -99,7 +99,8 @@ def _at_known_tilt(context: SolveContext, refused: Failure | None) -> Outcome | 
 
 
 def _as_given(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """The contact found from first guesses, solved under the scene's own control.
+    """The contact solved under the given load or approach itself, not under trial loads.
+    Newton's method starts from a first guess of the zones.
 
     For an upright body under an approach an error becomes a `Failure`, as the strategy of loads may
     still find the contact.

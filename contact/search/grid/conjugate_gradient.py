@@ -50,7 +50,7 @@ Symbol = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class GridOptions:
-    """Tolerances and limits of the linear solves between changes of the contact set."""
+    """Tolerances and limits of the linear solves; after each solve the contact set is corrected."""
 
     # A linear solve ends after this many iterations in which the error has not decreased by a
     # tenth. The error has then reached the rounding of the heights f.
@@ -59,16 +59,16 @@ class GridOptions:
     # previous tolerance, but not less than the wanted tolerance. While many points still join or
     # leave the contact, a precise pressure would be wasted.
     first_tolerance: float = 1e-2
-    # Under a cap of the pressure, the iteration ends after more than this many successive solves in
-    # which the number of changed points reaches no new minimum. Ends of plateaus and contacts are
-    # then known to a cell, which is all a first guess needs.
+    # If the pressure has a largest value (the cap), the iteration ends after more than this many
+    # successive solves in which the number of changed points reaches no new minimum. The ends of
+    # the contacts, and of the intervals at the cap, are then known to one cell. A first guess needs
+    # no more.
     max_repeats: int = 8
 
     @property
     def rate_tolerance(self) -> float:
-        """Tolerance of the linear solves for two derivatives: level by load, moment by tilt.
-
-        The level is displacement plus height in the contact.
+        """Tolerance of the linear solves that give derivatives by the load and by the tilt.
+        They are those of the level (displacement plus height in contact) and of the moment.
         """
         return self.first_tolerance**2
 
@@ -92,7 +92,7 @@ _AS_GOOD_AS_FULL = (
 
 @record
 class Influence:
-    """The operator S of one grid: `apply(p)` is the displacement under the pressure p.
+    """The elastic operator S on one grid: `apply(p)` is the displacement under the pressure p.
 
     The class methods `periodic` and `isolated` construct it.
     """
@@ -103,8 +103,8 @@ class Influence:
     is_periodic: bool
     _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
     stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
-    # Displacement per unit of load that comes from the datum in the logarithm. It is added
-    # separately, so that the displacement keeps its digits.
+    # Displacement per unit of load that comes from the datum length in the logarithm of the kernel.
+    # It is added after the FFT, so that the displacement keeps its digits.
     _offset: float = 0.0
     cap: float = math.inf  # largest pressure that the surface bears
 
@@ -129,7 +129,7 @@ class Influence:
     def isolated(
         cls, n: int, h: float, E: float, datum: float = 1.0, rest: Rest | None = None
     ) -> Influence:
-        """The operator S of a single body on a window of n points with spacing h."""
+        """The operator S of a single body on a search interval (window) of n points, spacing h."""
         lag = np.arange(n + 1.0)
         kernel = _log_cell(lag)
         if rest is not None:
@@ -170,7 +170,7 @@ class Response:
     cap: float = math.inf
 
     def on(self, n: int, h: float) -> Influence:
-        """The operator on a grid of n cells of width h."""
+        """The operator from pressure to displacement on a grid of n cells of width h."""
         if self.periodic:
             made = Influence.periodic(n, h, self.E, self.symbol, self.compression)
         else:
@@ -187,7 +187,7 @@ def _dot(a: Array, b: Array) -> float:
 
 
 def _multiplied(values: Array, factors: Array, size: int) -> Array:
-    """Values on a grid, padded with zeros, after multiplication by factors in Fourier space."""
+    """The values, padded with zeros to `size`, multiplied by `factors` in Fourier space."""
     seen = scipy.fft.rfft(values, size)
     seen *= factors
     return np.asarray(scipy.fft.irfft(seen, size, overwrite_x=True))
@@ -199,7 +199,7 @@ def _wave_stiffness(n: int, h: float, E: float) -> Array:
 
 
 def _inverse(stiffness: Array, mean: float = 0.0) -> Array:
-    """Compliances of the waves from their stiffnesses. mean: compliance of the mean pressure."""
+    """Compliance of each wave: 1 / stiffness. mean: compliance under a uniform pressure."""
     return np.concatenate(([mean], 1.0 / stiffness[1:]))
 
 
@@ -354,7 +354,7 @@ class _Run:
     def conjugate_gradient(
         self, load: float, mask: Mask, guess: Array | None, tol: float, shape: Array | None = None
     ) -> tuple[Array, Array, float, float, bool]:
-        """Pressure on the points `mask`, under a load, that makes displacement + `shape` constant.
+        """The pressure on the points `mask` that has a given load and makes S p + `shape` constant.
 
         Returns the pressure p, the displacement S p, the constant, the largest error of p as
         estimated by the preconditioner, and whether the tolerance was met.
@@ -456,15 +456,17 @@ class _Run:
                 tol = finer
                 continue
             gap = u + self.shape - level
-            # All points with negative pressure are dropped, not only those below -`error`. The
-            # steepest peaks determine `error`. With that limit, an end in a flat region would move
-            # by only one cell per solve.
+            # All points with negative pressure leave the contact, even if the pressure is smaller
+            # than `error`, its largest error on the grid. This error is set by the steepest peaks.
+            # If `error` were the limit, a zone end in a flat region would move by only one cell per
+            # solve.
             drop = mask & (p < 0.0)
             error_of_gap = error * self.influence.h / self.influence.E
             add = self.allowed & ~mask & ~capped & (gap < -error_of_gap)
             changes = int(np.count_nonzero(drop) + np.count_nonzero(add))
             if np.isfinite(cap):
-                # Points above the cap join `capped`. Points of `capped` that open leave `capped`.
+                # Points with a pressure above the cap join the set `capped`. Points at which the
+                # gap opens leave this set.
                 above, freed = mask & (p > cap), capped & (gap > error_of_gap)
                 rest = load - cap * self.influence.h * np.count_nonzero((capped | above) & ~freed)
                 above &= rest > 0.0
@@ -477,12 +479,13 @@ class _Run:
             if tol == self.tol and not np.any(add) and within:
                 converged = solved
                 break
-            # The tolerance is reduced in two cases. If few points come into or leave contact, the
-            # contact set is almost right. If the number `changes` hardly falls, errors of the solve
-            # cause the changes.
+            # The tolerance is reduced in two cases. First: few points come into or leave contact,
+            # so the contact set is almost right. Second: the number `changes` of these points
+            # hardly falls, so errors of the linear solve cause the changes.
             if changes <= 2 or changes > 0.7 * fewest:
                 tol = finer
-            # Under a cap of the pressure, a few points may become capped and uncapped without end.
+            # If the pressure has a cap, a few points may reach the cap and leave it in turns,
+            # without end.
             repeats = repeats + 1 if changes >= fewest and np.isfinite(cap) else 0
             if repeats > OPTIONS.max_repeats:
                 break
@@ -497,9 +500,9 @@ class _Run:
         )
 
     def _next_to_change(self, load: float, capped: Mask) -> Mask:
-        """The fewest points that bear what the points `capped` bear too little or too much.
-
-        They are the first ones to close, or the first ones to open.
+        """Mask of the points to close or to open if the points at the cap do not bear the load.
+        If they bear too little, the points with the smallest gaps close. If they bear too much,
+        those with the largest gaps open.
         """
         borne = self.influence.cap * self.influence.h
         number = load / borne - np.count_nonzero(capped)
@@ -515,7 +518,7 @@ class _Run:
     def _on_sets(
         self, load: float, mask: Mask, capped: Mask, guess: Array | None, tol: float
     ) -> tuple[Array, Array, float, float, bool]:
-        """The result of `conjugate_gradient` if the pressure at the points `capped` is the cap."""
+        """The result of `conjugate_gradient`, with the cap as the pressure on points `capped`."""
         if not capped.any():
             return self.conjugate_gradient(load, mask, guess, tol)
         fixed = np.where(capped, self.influence.cap, 0.0)
@@ -584,9 +587,9 @@ class _Run:
                 if inf.is_periodic:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
                 if slope * load > OPTIONS.first_tolerance * depth:
-                    # The level (displacement plus height in contact) still rises with the load, so
-                    # the bracket closed before the level was largest. The solutions were too
-                    # inexact, as happens for a nearly incompressible layer.
+                    # The bracket has closed although the level (displacement plus height in
+                    # contact) still rises with the load. So the solutions are too inexact for the
+                    # bracket, as happens for a nearly incompressible layer.
                     return replace(state, converged=False)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure

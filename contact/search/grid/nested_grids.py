@@ -39,9 +39,9 @@ class NestedGridOptions:
     # Number of grid cells in the smallest length over which a shape varies. The pressure has up to
     # about 6 zeros in such a length.
     per_feature: int = 16
-    # If the period or window is longer than this many smallest lengths, each length gets only
-    # half as many cells, to save time. About one zone in a hundred is then missed; the first check
-    # of signs adds these zones.
+    # If the period or window is longer than this many smallest lengths, each length gets only half
+    # as many cells, to save time. About one zone in a hundred is then missed. The first check of
+    # the signs of pressure and gap adds these zones.
     many_features: int = 2**15
 
     @property
@@ -94,7 +94,7 @@ class Proposal:
 
     @property
     def state(self) -> GridState:
-        """The contact on the grid, if `grid` is not None."""
+        """The contact on the last grid; `grid` must not be None."""
         assert self.grid is not None
         return self.grid
 
@@ -133,7 +133,7 @@ def narrowest(state: GridState) -> int:
     runs = np.array(runs_of(state.contact, wraps)).reshape(-1, 2)
     if state.full:
         # Near its minimum the pressure p is about a parabola. If the smallest p is below the second
-        # difference there, a gap may lie between the points.
+        # difference of p at this point, a gap may lie between the points.
         p, i = state.pressure, int(np.argmin(state.pressure))
         return n if p[i] > p[i - 1] - 2.0 * p[i] + p[(i + 1) % n] else 0
     if not len(runs):  # there is no contact, but the lowest point of a finer grid may touch
@@ -196,7 +196,7 @@ def _gaps_between(x: Array, state: GridState) -> Array:
 
 
 def _to_end(p_end: Array, p_next: Array) -> Array:
-    """Distance in cells from a zone's outermost point to the extrapolated zero of p^2.
+    """Distance, in cells, from a zone's outermost point to its end, where p^2 would be zero.
 
     It is half a cell where p does not decrease towards the end.
     """
@@ -286,12 +286,14 @@ def propose(
 
 
 def _features(width: float, resolution: float | None) -> float:
-    """Width of a cell divided by `resolution`; a default if the resolution is unknown."""
+    """Width of a period or window, divided by `resolution`, the smallest length of the shape.
+    A default number if this length is unknown.
+    """
     return float(OPTIONS.per_feature) if resolution is None else width / resolution
 
 
 def points_for(width: float, resolution: float | None, most: int) -> tuple[int, int]:
-    """Number of points that a cell of this width needs, and the largest number allowed."""
+    """The number of grid points that a period or window needs, and the largest number allowed."""
     features = _features(width, resolution)
     per_feature = OPTIONS.per_feature
     if features > OPTIONS.many_features:
@@ -463,8 +465,8 @@ class _Window:
         for _ in range(SEARCH.max_steps):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
-            # A load below this limit changes no digit of the level in the contact. A still smaller
-            # load would not bring that level closer to `level`.
+            # Below this load, the level (displacement plus height in contact) changes no more in
+            # double precision. So no smaller load brings the contact to the given `level`.
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(
@@ -488,7 +490,7 @@ class _Window:
         return window
 
     def _compliance(self, state: GridState) -> float:
-        """Derivative of level by load, for a flat punch on the points in contact in `state`.
+        """Derivative of level by load: the level of a flat punch on the same contact, under load 1.
 
         The level is displacement plus height in the contact.
         """

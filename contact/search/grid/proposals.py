@@ -140,13 +140,12 @@ def _corrected(
             allowed = min(allowed / max(len(found.zones), 1), SEARCH.grid_error)
         if abs(error) < allowed:
             break
-    # The width may jump with the load. So the width of the last trial is not always the closest to
-    # `width`.
+    # The contact width may jump at some load. So the last trial need not be the closest to `width`.
     return load, rate, min(tried, key=lambda one: one[0])[1]
 
 
 def _width_error(found: float, width: float, period: float) -> float:
-    """Difference of ln(contact width / gap width) between the width `found` and `width`.
+    """Error of the width `found` relative to `width`, measured by ln(contact width / gap width).
 
     It is nearly linear in the logarithm of the load.
     """
@@ -214,9 +213,9 @@ def placed(problem: Problem, zones: Array) -> Array:
         return scaled
     bounded = np.isfinite(problem.corners).all()
     if problem.profile.symmetric or bounded:
-        # The period of a body with corners is centred on the middle between them. The period of a
-        # symmetric profile is centred on the origin, so that it contains the mirror image of each
-        # zone.
+        # If the body has corners, the period is centred on the middle between the corners. If not,
+        # it is centred on the origin. The period of a symmetric profile then contains the mirror
+        # image of each zone.
         middle = 0.5 * sum(problem.corners) if bounded else 0.0
         scaled = ascending(centred_on(scaled, middle, period))
     if problem.interaction.strip and len(scaled) and not bounded:

@@ -145,7 +145,7 @@ def _lowest_unturned(scene: Scene) -> float:
 
 
 def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
-    """The function `find_window` for the scene's response and the extent of the profile."""
+    """The function `find_window`, with the elastic response of the scene already filled in."""
     response = response_of(scene, scene.operator.datum or 1.0)
 
     def find(
@@ -165,7 +165,7 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
 
 
 def _light(scene: Scene) -> float:
-    """A load at which the contact is narrow relative to the datum of the logarithm."""
+    """A load so small that the contact is narrow relative to the datum length of the logarithm."""
     return SEARCH.light_load * scene.E_star * (scene.operator.datum or 1.0)
 
 
@@ -224,7 +224,8 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
 
 
 def _window_of_shape(profile: Profile) -> Window | None:
-    """An interval about the lowest place of a shape that is flat far away; None for others.
+    """An interval about the lowest place of a shape that is flat far away.
+    None for a shape that is not flat far away.
 
     Such a shape states no resolution, and the points of a wide window may miss its lowest place.
     The window extends to where the shape has risen by half.
@@ -295,7 +296,7 @@ def _deeper_place(profile: Profile, window: Window) -> float | None:
 
 
 def _origin_of(profile: Profile, window: Window) -> float:
-    """The origin of x: the lowest sharp tip in a window, or the window's middle without a tip.
+    """The origin of x: the lowest sharp tip in a window; the window's middle if it has no tip.
 
     An end may come close to a tip, as for a wedge that touches with its flank. It is then precise
     as a distance from the tip.
@@ -308,7 +309,7 @@ def _origin_of(profile: Profile, window: Window) -> float:
 
 
 def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:
-    """The unit of slopes: the largest sampled slope; for a flat punch, see below."""
+    """The unit of slopes: the largest sampled slope; for a flat punch, from load and adhesion."""
     lo, hi = cell
     x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
     with np.errstate(over="ignore", invalid="ignore"):

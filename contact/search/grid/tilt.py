@@ -61,7 +61,7 @@ def known_part(profile: Profile) -> Window | None:
 
 
 def held_by(profile: Tilted) -> Window | None:
-    """The interval [m] that a punch or a single cell occupies; None for other bodies."""
+    """The interval [m] that a punch, or one period of a profile, occupies; None for others."""
     return profile.support or (None if profile.profile.period is None else profile.extent)
 
 
@@ -84,8 +84,7 @@ def window_at_load(
 
 def first_window(profile: Profile) -> Window | None:
     """First search interval: x = 0 plus and minus the profile's smallest length.
-
-    None if the size of the details is unknown, or if the profile is not known on the whole line.
+    None if this length is unknown, or if the profile is not known on the whole line.
     """
     size = profile.resolution
     return None if size is None or profile.extent is not None else (-size, size)
@@ -114,7 +113,7 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
     try:
         first: Window | None = window_at_load(scene, Tilted(scene.profile, guess), load)
     except OutOfRange:
-        # At the guessed tilt the body has no lowest place, so that no contact is found.
+        # No contact is found, as the body has no lowest place at the guessed tilt.
         first = None
     size = (
         max(abs(centre), *(abs(end) for end in first or (0.0, 0.0)))
@@ -151,7 +150,7 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
 
 @dataclass
 class _Tilting:
-    """The function from a tilt to its contact; it keeps the windows found at earlier tilts.
+    """The function from a tilt to its contact; it stores the search intervals of earlier tilts.
 
     At a tilt between two others, the contact lies between theirs. A window about both therefore
     also contains asperities that are far apart.
