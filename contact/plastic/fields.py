@@ -95,12 +95,13 @@ class PlasticFields(ZoneFields):
     def overlap(self, x: ArrayLike) -> Array:
         """Overlap of the surfaces [m] at x [m]: the height that yielded; 0 outside the plateaus."""
         scaled = self._scaled(x)
-        on = self._on_plateaus(scaled)
+        on = self.on_plateaus(scaled)
         out = np.zeros(scaled.shape)
         out[on] = -self.formal_gap(scaled[on]) * self.problem.units.height
         return out
 
-    def _on_plateaus(self, x: Array) -> Mask:
+    def on_plateaus(self, x: Array) -> Mask:
+        """Whether scaled places lie on plateaus."""
         return _within(self.density.plateaus, x, self.problem.period)
 
     def inside(self, x: Array) -> Mask:

@@ -18,7 +18,7 @@ from contact.formulation.problem import Problem
 from contact.model.profiles.noise import EPS
 from contact.plastic.check import Checked, checked
 from contact.plastic.fields import PlasticFields
-from contact.plastic.spots import Spots, changed, tidied
+from contact.plastic.spots import Spots, changed, joined, tidied
 from contact.search.topology.failure import Failure, same
 from contact.search.topology.intervals import NEW_ZONE
 from contact.verify.error import SolvedZones
@@ -67,7 +67,7 @@ class PlasticLoop:
             if spots.full and len(spots.plateaus) == 0:
                 return Failure("full contact without plateaus", free)
             try:
-                free = self._moved(spots, start)
+                free = self.moved(spots, start)
             except sie.SingularSystem as failure:
                 return Failure(f"the equation has no solution on such zones ({failure})", free)
             spots = Spots.of(free.density.zones, free.density.plateaus, self.problem.period)
@@ -95,7 +95,8 @@ class PlasticLoop:
             spots = following
         return Failure("the number of zones and plateaus did not settle", free)
 
-    def _moved(self, spots: Spots, start: sie.WarmStart) -> sie.Free:
+    def moved(self, spots: Spots, start: sie.WarmStart) -> sie.Free:
+        """The contacts and plateaus with ends found by Newton's method; signs are not checked."""
         problem = self.problem
         try:
             zones = spots.zones(problem, self.limit)
@@ -132,7 +133,8 @@ class PlasticLoop:
             if (values[:, i] == 0.0).all():
                 contacts = contacts[contacts[:, 0] != table[i, 0]]
             elif (values[:, i] != 0.0).all():
-                plateaus = tables.united(np.concatenate((plateaus, table[[i]])))
+                around = problem.period if spots.full else None
+                plateaus = joined(plateaus, table[[i]], around)
             else:
                 return Failure(NARROW_RIM, free)
         period = problem.period

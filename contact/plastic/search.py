@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from contact.errors import NotConverged
+from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
 from contact.plastic.fields import PlasticFields
 from contact.plastic.grid import proposed_spots
@@ -30,7 +33,7 @@ def found(context: SolveContext) -> SolvedZones:
     start = context.warm_start
     if start is not None and isinstance(start.fields, PlasticFields):
         context.plan.decide("first guess", "the warm start", "a similar solution is at hand")
-        outcome = _solved(context, scaled, _placed(scaled, start))
+        outcome = _solved(context, scaled, spots_of(scaled.problem, start))
         if isinstance(outcome, SolvedZones):
             return outcome
         context.record_failure("contacts and plateaus of a similar solution", outcome)
@@ -56,19 +59,19 @@ def found(context: SolveContext) -> SolvedZones:
 def _again(context: SolveContext, here: Solution) -> SolvedZones | Failure:
     """The contact under the load of a solution, from this solution."""
     scaled = scaled_scene(context.scene.under("load", here.load), context.single)
-    return _solved(context, scaled, _placed(scaled, here))
+    return _solved(context, scaled, spots_of(scaled.problem, here))
 
 
-def _placed(scaled: ScaledScene, similar: Solution) -> Spots:
-    """Contacts and plateaus of a similar solution, in the units of the scene."""
-    fields, problem = similar.fields, scaled.problem
-    assert isinstance(fields, PlasticFields)
+def spots_of(problem: Problem, similar: Solution) -> Spots:
+    """Contacts and plateaus of a solution, in the units of a scaled problem."""
+    fields = similar.fields
+    if not isinstance(fields, PlasticFields):
+        return Spots(placed(problem, similar.zones), np.zeros((0, 2)))
     units = fields.problem.units
     contacts, plateaus = (
         placed(problem, units.x(table)) for table in (fields.spots.contacts, fields.spots.plateaus)
     )
-    spots = Spots(contacts, plateaus, fields.spots.full)
-    return tidied(spots, problem, rims=False)
+    return tidied(Spots(contacts, plateaus, fields.spots.full), problem, rims=False)
 
 
 def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZones | Failure:

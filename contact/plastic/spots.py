@@ -13,6 +13,7 @@ import numpy as np
 import sie
 from contact.formulation import tables
 from contact.formulation.problem import Problem
+from contact.model.profiles.noise import EPS
 from contact.search.topology.intervals import without
 from sie import Array, Index, record
 
@@ -37,7 +38,7 @@ class Spots:
         contacts = tables.joined_where(every, meets)
         if period is None or len(contacts) > 1 or contacts[0, 1] < contacts[0, 0] + period:
             return cls(contacts, plateaus)
-        return _about_plateaus(plateaus, period)
+        return _about_plateaus(plateaus, period) if len(plateaus) else cls(contacts, plateaus, True)
 
     def zones(self, problem: Problem, limit: float) -> sie.Zones:
         """The elastic intervals as zones; limit: the scaled limit of the pressure."""
@@ -102,10 +103,13 @@ def changed(
     if len(overlaps):
         contacts = tables.united(np.concatenate((contacts, overlaps)))
     plateaus = spots.plateaus
+    if spots.full and period is not None:
+        # These plateaus are moved to the period of the contact's row, but the corrections are not.
+        opened = tables.in_cell(opened, contacts[0, 0], period)
     if len(opened):
         plateaus = without(plateaus, opened)
     if len(above):
-        plateaus = tables.united(np.concatenate((plateaus, above)))
+        plateaus = joined(plateaus, above, period if spots.full else None)
     full = spots.full and not len(negative)
     return tidied(Spots(contacts, plateaus, full), problem)
 
@@ -136,6 +140,9 @@ def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
     contacts = contacts[contacts[:, 1] > contacts[:, 0]]
     plateaus = spots.plateaus
     if period is not None and len(contacts):
+        contacts = _within_period(contacts, period)
+        if contacts[0, 1] - contacts[0, 0] >= period:
+            return tidied(Spots(contacts, plateaus, True), problem)
         contacts = tables.parted_at_wide(contacts, period)
         plateaus = tables.in_cell(plateaus, contacts[0, 0], period)
     out: list[tuple[float, float]] = []
@@ -148,6 +155,27 @@ def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
         kept = part[part[:, 1] > part[:, 0]].tolist()
         out += [(p, q) for p, q in kept if not (p == a and q == b)]
     return replace(spots, contacts=contacts, plateaus=np.array(out).reshape(-1, 2))
+
+
+def joined(plateaus: Array, more: Array, period: float | None) -> Array:
+    """The union of plateaus; none if they cover the period. period: None if no image can meet."""
+    # Ends that only rounding keeps apart meet.
+    more = more + 8 * EPS * np.maximum(1.0, np.abs(more)) * [-1.0, 1.0]
+    table = np.concatenate((plateaus, more))
+    if period is None:
+        return tables.united(table)
+    table = tables.in_cell(table, float(table[0, 0]), period)
+    united = tables.united(np.concatenate((table, table + period, table + 2 * period)))
+    begin = united[0, 1]
+    return np.asarray(united[(united[:, 0] >= begin) & (united[:, 0] < begin + period)])
+
+
+def _within_period(contacts: Array, period: float) -> Array:
+    """The contacts; those that overlap across the border of the period are joined."""
+    while len(contacts) > 1 and contacts[-1, 1] >= contacts[0, 0] + period:
+        begin, end = contacts[-1, 0] - period, max(contacts[0, 1], contacts[-1, 1] - period)
+        contacts = tables.united(np.concatenate(([[begin, end]], contacts[1:-1])))
+    return contacts
 
 
 # Least width of the elastic rim between a plateau and a gap in a first guess, divided by the width

@@ -95,13 +95,6 @@ def path(
             scene.law.name,
             "one under which contact only grows with the load: a path under others is not followed",
         )
-    if scene.law.routes.first is not None:
-        raise SceneError.of(
-            "law",
-            scene.law.name,
-            "one without a limit of the pressure: events of plateaus are not followed; "
-            "contact.solve with `near`, or contact.sweep, solve one load after the other",
-        )
     if name == "approach":
         what, given = ("control", control) if stiffness is None else ("stiffness", stiffness)
         raise SceneError.of(
@@ -114,6 +107,12 @@ def path(
         first = int(np.argmax(loads <= 0))
         raise SceneError.of(
             "values", loads, f"positive {VALUES[name]} (element {first} is {loads[first]:.6g})"
+        )
+    if scene.law.routes.first is not None and np.any(np.diff(loads) < 0):
+        raise SceneError.of(
+            "values",
+            loads,
+            f"rising under {scene.law.name}: unloading begins from the profile Solution.worn()",
         )
     if name == "mean_pressure":
         if scene.profile.period is None:

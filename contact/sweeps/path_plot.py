@@ -40,6 +40,8 @@ _MARKS = {
     "merge": (PRESSURE, "D"),
     "split": (PRESSURE, "s"),
     "full": ("black", "*"),
+    "onset": (BODY, "^"),
+    "join": (BODY, "D"),
 }
 _LINES: dict[bool, dict[str, Any]] = {
     True: {"color": SURFACE, "linestyle": "-", "linewidth": 1.5},

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from contact.extras import version
@@ -19,14 +19,16 @@ class Event:
     Parameters
     ----------
     kind : str
-        birth, death, merge, split or full.
+        birth, death, merge, split or full; of plateaus onset and join.
     load : float
         The load at the event [N/m].
     position : float
         The place on the profile [m].
     before, after : ndarray
         The zones [m], (n, 2), just before and just after the event along the path; (0, 2) in full
-        contact.
+        contact. For onset and join they are the plateaus.
+    error : float or None
+        Bound of the relative error of the load; None where it is not stated.
 
     Examples
     --------
@@ -42,9 +44,12 @@ class Event:
     position: float
     before: Array
     after: Array
+    error: float | None = field(default=None, kw_only=True)
 
     def change(self) -> str:
         """Text with the numbers of zones before and after the event, such as "3 to 2"."""
+        if self.kind in ("onset", "join"):
+            return f"plateaus: {len(self.before)} to {len(self.after)}"
         return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
 
 
@@ -79,9 +84,7 @@ def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
 
 def _event(event: Event) -> dict[str, Any]:
     """The fields of an event, with the numbers of zones before and after the event."""
-    fields = {
-        field.name: getattr(event, field.name) for field in dataclasses.fields(event) if field.repr
-    }
+    fields = {one.name: getattr(event, one.name) for one in dataclasses.fields(event) if one.repr}
     zones = {f"zones_{when}": len(fields.pop(when)) for when in ("before", "after")}
     return {**fields, **zones}
 

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import NotConverged, OutOfRange, unwarned, warn
+from contact.extras import require
 from contact.formulation.gaps import GapFields
 from contact.formulation.roots import maximum, smooth_root
 from contact.formulation.tables import centred_on, gaps_between
@@ -80,7 +81,7 @@ class PathOptions:
         return float(np.sqrt(self.same))
 
 
-_OPTIONS = PathOptions()
+OPTIONS = PathOptions()
 # Name of an event under a falling load, for each name under a rising load.
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
 
@@ -163,7 +164,9 @@ class Path:
 
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
     """The path along loads [N/m] for a law whose contact grows with load; see `contact.path`."""
-    run = _Path(scene, tol, progress)
+    plastic = scene.law.routes.first is not None
+    search = require("contact.sweeps.plastic_path").PlasticPath if plastic else PathSearch
+    run: PathSearch = search(scene, tol, progress)
     run.curve.solve_in_closed_form(values)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
@@ -183,7 +186,7 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
     return Path(tuple(solutions), tuple(passed))
 
 
-class _Path:
+class PathSearch:
     """The search for events along one path."""
 
     def __init__(self, scene: Scene, tol: float, progress: Progress | None = None) -> None:
@@ -199,12 +202,12 @@ class _Path:
         used if the signs of its pressure and gap are right.
         """
         try:
-            return self.curve.from_previous(load, (CurvePoint(start),), _OPTIONS.same)
+            return self.curve.from_previous(load, (CurvePoint(start),), OPTIONS.same)
         except NotConverged as failure:
             if (
                 isinstance(failure.best, Solution)
                 and failure.best.certificate.holds
-                and failure.best.error < _OPTIONS.negligible
+                and failure.best.error < OPTIONS.negligible
             ):
                 return failure.best
             raise
@@ -234,12 +237,12 @@ class _Path:
             high.zones,
             low.scene.period,
             low.scene.operator.is_plain and not turns,
-            _OPTIONS.negligible,
+            OPTIONS.negligible,
         )
         step = (high.load - low.load) / high.load
-        apart = step > _OPTIONS.same
-        hides = high.load > _OPTIONS.max_load_ratio * low.load or (
-            step > _OPTIONS.negligible and may_hide(low, high)
+        apart = step > OPTIONS.same
+        hides = high.load > OPTIONS.max_load_ratio * low.load or (
+            step > OPTIONS.negligible and may_hide(low, high)
         )
         if not found and not hides:
             return []
@@ -248,7 +251,7 @@ class _Path:
             return self._events(low, middle) + self._events(middle, high)
         events = []
         for change in found:
-            event = self._event(change, low, high, beyond=() if apart else _OPTIONS.retries_beyond)
+            event = self._event(change, low, high, beyond=() if apart else OPTIONS.retries_beyond)
             if event is None and apart:
                 middle = self.intermediate(0.5 * (low.load + high.load), low)
                 return self._events(low, middle) + self._events(middle, high)
@@ -268,7 +271,7 @@ class _Path:
         assert low.scene.period is not None
         load = self.curve.cache.full.onset_pressure * low.scene.period
         # `last` is a solution just below the load of full contact, where one gap is still open.
-        last = self.intermediate(max(low.load, load * (1 - _OPTIONS.same)), low)
+        last = self.intermediate(max(low.load, load * (1 - OPTIONS.same)), low)
         return [*self._events(low, last), *_full_event(load, full, last)]
 
     def _event(
@@ -363,7 +366,7 @@ class _Condition:
         load, table = fields.load / fields.problem.units.load, fields.solved_zones.table
         self.tables: dict[float, Array] = {
             load: table,
-            load * (1 + _OPTIONS.rate_step): table + _OPTIONS.rate_step * _moving(fields),
+            load * (1 + OPTIONS.rate_step): table + OPTIONS.rate_step * _moving(fields),
         }
         self.where = _scaled(fields, change.where)
 
@@ -383,7 +386,7 @@ class _Condition:
 
         Later calls start from the zones found here.
         """
-        fields = self.form.formal(load, self.start(load), _OPTIONS.same, _OPTIONS.same**2)
+        fields = self.form.formal(load, self.start(load), OPTIONS.same, OPTIONS.same**2)
         self.tables[load] = fields.solved_zones.table
         return fields
 

@@ -79,7 +79,7 @@ def test_events_take_at_most_four_states_each_and_no_loads_between(monkeypatch):
         monkeypatch.setattr(of, name, call)
 
     counting(event_search.EventSearch, "_solved")
-    counting(paths._Path, "intermediate")
+    counting(paths.PathSearch, "intermediate")
     random, k = np.random.default_rng(3), np.arange(1, 25)
     profile = contact.Fourier(1.0, *(1e-3 * k**-1.3 * random.normal(size=24) for _ in range(2)))
     full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).load

@@ -310,13 +310,3 @@ def test_loading_again_has_the_same_pressure():
     np.testing.assert_allclose(again.pressure(x), found.pressure(x), atol=1e-5)
     less = contact.Scene(found.worn(), 2.0, ALONE, load=0.3 * found.load)
     assert contact.solve(less, tol=1e-3).max_pressure < 0.6 * found.max_pressure
-
-
-def test_paths_are_refused_by_name_and_lists_of_loads_are_solved():
-    scene = contact.Scene(
-        FOUR, 1.0, contact.Periodic(), law=contact.Plastic(0.5), mean_pressure=0.2
-    )
-    with pytest.raises(contact.SceneError, match="without a limit of the pressure"):
-        contact.path(scene, [0.1, 0.2])
-    many = contact.solve_many(scene, [0.01, 0.1, 0.3])
-    assert [len(one.plateaus) for one in many] == [0, 1, 2]

@@ -12,7 +12,7 @@ from sie import Array
 
 # The stated place of a merger or a split is the gap that closes or opens. It is extended on either
 # side by this fraction of the gap's width.
-_MARGIN = 0.25
+MARGIN = 0.25
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,6 @@ def _grown(
         if len(parts) == 0:
             found.append(Change(birth, (a, b)))
         for left, right in zip(parts[:-1, 1].tolist(), parts[1:, 0].tolist(), strict=True):
-            margin = _MARGIN * (right - left)
+            margin = MARGIN * (right - left)
             found.append(Change(merger, (left - margin, right + margin)))
     return found
