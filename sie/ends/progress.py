@@ -245,7 +245,7 @@ class Progress:
         if not options.allow_loss:
             # Without `allow_loss`, a closed gap ends the search. So a gap that repeated steps would
             # close counts as closed only if it is narrow enough to be a slit (a narrow gap that is
-            # not resolved as one).
+            # treated as part of a wide zone).
             narrow = gaps < SLITS.max_gap * narrowest
             closed = (self.closing >= options.insistent_steps) & narrow
         closed |= gaps < options.vanished_part * np.minimum(self.first_gap, narrowest)

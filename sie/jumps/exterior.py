@@ -57,8 +57,9 @@ class ExteriorLogarithms(PerZone):
         at, which = at[order], which[order]
         reach = OPTIONS.reach * zones.half
         if period is not None:
-            # The reach is limited, so that no position is close to both ends of a zone, even if the
-            # zone is almost a period wide.
+            # `reach` is the distance from a zone within which logarithms are selected. It is
+            # limited, so that no position is close to both ends of a zone, even if the zone is
+            # almost a period wide.
             reach = np.clip(reach, 0.0, np.maximum(0.49 * period - zones.half, 0.0))
         found: list[tuple[Index, Index, Array]] = []
         for sign, ends in ((1.0, zones.b), (-1.0, zones.a)):
@@ -70,19 +71,21 @@ class ExteriorLogarithms(PerZone):
             count = last - first
             zone = np.repeat(np.arange(len(zones)), count)
             place = numbered(count) + np.repeat(first, count)
-            # If the logarithm is at the end itself, |rho| is 1.
+            # If the logarithm is at the end of the zone, e is 0 and |rho| is 1.
             e = np.abs(at[place] - ends[zone]) / zones.half[zone]
             found.append((zone, which[place], Outside(sign, e).rho))
         zone, which, rho = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return cls(zone, which, rho, weights[which])
 
     def sine_coefficients(self, count: int) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, in the density of each logarithm."""
+        """Coefficients of sin(j theta), j = 1 ... count, in the density of each logarithm.
+        It is the density that the logarithm of the right side causes on a zone next to it.
+        """
         j = np.arange(1, count + 1)
         return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Derivatives of each logarithm's density by the angle, at both ends of its zone.
+        """Derivatives by theta of the density that each logarithm causes, at both ends of its zone.
 
         At the end with the logarithm they are those of the density minus its value there.
         """
@@ -93,16 +96,16 @@ class ExteriorLogarithms(PerZone):
         return left, right
 
     def mean_offsets(self, count: int) -> Array:
-        """Contribution of the logarithms to the mean of the right side's primitive (`count`,).
+        """Contribution of nearby logarithms to the mean of the right side's primitive on each zone.
 
         It is divided by the half width. The transform -2 w sum rho^j T_j / j of each has a
         primitive with values of opposite sign at both ends; its mean over theta is
         -2 w (-rho / 4 + sum rho^j / (j (j^2 - 1)), j = 3, 5, ...).
         """
         rho = self.rho
-        # The sum over j is rho E / 2 + E / (2 rho) - artanh(rho) + 3 rho / 4 with
-        # E = -ln(1 - rho^2)/2. The logarithms in E and artanh are combined: their infinite parts at
-        # |rho| = 1 cancel.
+        # The sum of rho^j / (j (j^2 - 1)) over j = 3, 5, ... is rho E / 2 + E / (2 rho) -
+        # artanh(rho) + 3 rho / 4 with E = -ln(1 - rho^2)/2. The logarithms in E and artanh are
+        # combined: their infinite parts at |rho| = 1 cancel.
         size = np.abs(rho)
         with np.errstate(divide="ignore", invalid="ignore"):
             less = np.where(size < 1.0, (1 - size) ** 2 * np.log1p(-size), 0.0)
@@ -114,7 +117,7 @@ class ExteriorLogarithms(PerZone):
     # The methods below give values at points (n,). A point is given by its zone and by its
     # distances from the zone's ends, in half widths.
     def density(self, zone: Index, left: Array, right: Array) -> Array:
-        """Density on each zone that is caused by the logarithms outside but close to this zone.
+        """Density on each zone that logarithms of the right side just outside this zone cause.
 
         At the end at which a logarithm stands, it is the limit from within the zone.
         """
@@ -122,7 +125,8 @@ class ExteriorLogarithms(PerZone):
 
         def part(at: Index, k: Index) -> Array:
             rho, size = self.rho[k], np.abs(self.rho[k])
-            # 1 - rho cos(theta), from the distance to the end that is nearer to the logarithm.
+            # `across` is 1 - rho cos(theta), from the distance of the point to the end that is
+            # nearer to the logarithm. So it does not cancel close to this end.
             across = (1 - size) + size * np.where(rho > 0, right[at], left[at])
             angle = np.arctan2(rho * sine[at], across)
             return np.asarray(np.where(across == 0.0, np.copysign(0.5 * np.pi, rho), angle))
@@ -155,7 +159,8 @@ class ExteriorLogarithms(PerZone):
         )
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the density of nearby logarithms from the left end, divided by half widths.
+        """Integral, from the zone's left end, of the density that nearby logarithms cause.
+        It is divided by the half width of the zone.
 
         It is the integral over the whole zone minus that from the point to the right end.
         """
@@ -176,8 +181,8 @@ class ExteriorLogarithms(PerZone):
         return self.grouped.summed(zone, self.weight, part)
 
     def potential(self, zone: Index, log: Array, rho: Complex) -> Array:
-        """Potential of the logarithms' density, divided by the half width w, without c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of the density of nearby logarithms, divided by the half width w of the zone.
+        The term c_0 log(w) is left out, with c_0 the integral of the density divided by pi w.
 
         log: log(2 |rho|).
         """
@@ -190,7 +195,9 @@ class ExteriorLogarithms(PerZone):
 
     # The methods below give values at complex points (see `sie.density.plane`).
     def log(self, k: Index, seen: InPlane) -> Complex:
-        """2 log(1 - rho rho_z), (points, k): rho is of logarithm k, rho_z of the point z.
+        """2 log(1 - rho rho_z) for each point z and logarithm k, as an array (points, logarithms).
+        rho is x - sgn(x) sqrt(x^2 - 1) of the position x of the logarithm, and rho_z the same for
+        the point z, both in half widths from the middle of the zone.
 
         Close to the right end 1 - rho rho_z = (1 - rho_z) + rho_z (1 - rho) does not cancel. For
         rho < 0 the left end takes its place, with 1 + rho_z.
@@ -202,7 +209,7 @@ class ExteriorLogarithms(PerZone):
         )
 
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """Transform, its derivative by zeta, or potential, summed over the logarithms k.
+        """Transform, its derivative by zeta, or potential, of the density of the logarithms k.
 
         The potential is divided by the half width w and lacks the term c_0 log(w).
         """
@@ -225,7 +232,8 @@ def potential_series(up: Complex | Array, rho: Complex | Array) -> Complex:
     The caller adds the term j = 1, which has a logarithm of rho.
     """
     q = up * rho
-    # At the logarithm itself, q = 1, the terms with the logarithm cancel.
+    # At the position of the logarithm, q is 1, and the terms with log(1 - q) cancel. So this
+    # logarithm is set to zero there.
     log = -np.log1p(np.where(q == 1, 0.0, -q))
     rest = log - q
     return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)

@@ -98,7 +98,7 @@ class AlgebraicPoints:
 
     @cached_property
     def weights(self) -> Complex:
-        """For each point, the factor that the coefficients c_k of all its poles have in common."""
+        """For each algebraic point, the common factor of the coefficients of its poles."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
         # `cosdg` and `sindg` (angles in degrees) are exactly zero at their zeros. So the weights
         # are exactly zero if the term of the point is a polynomial.
@@ -107,15 +107,16 @@ class AlgebraicPoints:
 
     @cached_property
     def places(self) -> Array:
-        """The different positions of the points, in ascending order."""
+        """The different positions of the algebraic points, in ascending order."""
         return np.unique(np.asarray(self.at))
 
     def lowest(self, place: int) -> float:
-        """Least exponent of the points at the position with index `place`."""
+        """Least exponent p of the powers |x - s|^p at the position s with the index `place`."""
         return float(np.asarray(self.exponents)[self._at(place)].min())
 
     def poles(self, place: int, farthest: float) -> tuple[Array, Complex]:
-        """(distances eta from the line, coefficients c) of the poles that stand for one position.
+        """Poles whose sum represents the powers |x - s|^p of a function at one position s.
+        The result is (distances eta of the poles from the line, coefficients c of the poles).
 
         `place` is the index of the position in `places`. The largest distance is `farthest`. If
         there are several powers |x - s|^p at this position, they share the poles.
@@ -127,7 +128,9 @@ class AlgebraicPoints:
         return away, _STEP * (away[:, None] ** (p + 1.0)) @ weights
 
     def left_out(self, place: int, farthest: float) -> complex:
-        """Sum of coefficient / distance over the omitted poles next to position number `place`.
+        """Sum of c / eta over the omitted poles at the position with the index `place`.
+        c is the coefficient of a pole and eta its distance from the line. The poles closest to the
+        line are omitted.
 
         The omitted poles matter at the position itself only, and only for small
         exponents. The sum is infinite if an exponent is not positive.
@@ -144,7 +147,7 @@ class AlgebraicPoints:
 
 @record
 class Poles(PerZone):
-    """Poles that represent the right side's algebraic points in zones and close to zones.
+    """Poles whose sum represents the powers |x - s|^p of the right side in or near zones.
 
     All lengths are in half widths of the zone. zone: zone of each pole; left, right: distances of
     its point from the zone's ends; away: distance eta of the pole from the line; size: coefficient
@@ -174,7 +177,8 @@ class Poles(PerZone):
         period: float | None,
         of_density: bool = False,
     ) -> "Poles":
-        """The poles of all algebraic points that lie in zones or close to zones.
+        """The poles that represent all algebraic points in zones or close to zones.
+        Close to an algebraic point, the function is a power of the distance.
 
         of_density: whether the points are those of the wanted density, not of the right side.
         """
@@ -233,7 +237,7 @@ class Poles(PerZone):
         return np.asarray(past - 1j * self.away[k])
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """Transform, on the zone itself, of the density of the zone's poles."""
+        """Transform, on the zone itself, of the density that the zone's poles cause."""
 
         def part(at: Index, k: Index) -> Array:
             return np.real(
@@ -280,8 +284,8 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_on(self, zone: Index, left: Array, right: Array) -> Array:
-        """`potential` at points on the zone: divided by the half width w, without c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of the poles' density at points on the zone, divided by the half width w.
+        The term c_0 log(w) is left out, with c_0 the integral of the density divided by pi w.
         """
         t = 0.5 * (left - right)
 
@@ -295,9 +299,8 @@ class Poles(PerZone):
         return self.summed(zone, part)
 
     def potential_off(self, zone: Index, rho: Array) -> Array:
-        """`potential` at points off the zone: divided by the half width w, without c_0 log(w).
-
-        Here c_0 is the integral of the density divided by pi w.
+        """Potential of the poles' density at points off the zone, divided by the half width w.
+        The term c_0 log(w) is left out, with c_0 the integral of the density divided by pi w.
         """
 
         def part(at: Index, k: Index) -> Array:
@@ -314,8 +317,8 @@ class Poles(PerZone):
         return np.asarray((rho - 1.0 / rho) * np.log1p(-rho * seen) - seen - rho * log)
 
     def potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the poles' density, divided by the half width w, without c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of the density that the poles cause, divided by the half width w of the zone.
+        The term c_0 log(w) is left out, with c_0 the integral of the density divided by pi w.
         """
         out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
         out[on] = self.potential_on(zone[on], seen.left[on], seen.right[on])
@@ -324,7 +327,7 @@ class Poles(PerZone):
 
     # The methods below sum over the poles of each zone.
     def sine_coefficients(self, zones: int, count: int) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, in the density of each zone's poles.
+        """Coefficients of sin(j theta), j = 1 ... count, in the density that a zone's poles cause.
 
         The right side has the same coefficients, of the polynomials T_j.
         """
@@ -335,7 +338,7 @@ class Poles(PerZone):
         return out.T
 
     def mean_offsets(self, zones: int) -> Array:
-        """For each zone, the poles' part of `ForcingJumps.mean_offsets`.
+        """Contribution of the poles to the mean of the right side's primitive on each zone.
 
         T_1 contributes -1/4. T_j with odd j > 1 contributes 1 / (j^2 - 1).
         """
@@ -358,7 +361,7 @@ class Poles(PerZone):
 
     # The methods below give values at complex points (see `sie.density.plane`).
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
-        """Transform, the transform's derivative by zeta, or potential, summed over the poles k.
+        """Transform, its derivative by zeta, or potential, of the density of the poles k.
 
         The potential is divided by the half width w and lacks the term c_0 log(w).
         """

@@ -135,7 +135,8 @@ class ForcingJumps(PlacedJumps):
     def _with_splines(
         self, zones: Zones, f: Callable[[Array], Array], make: MakeSpline, least: int
     ) -> Self:
-        """The jumps, replaced by a spline in zones with at least `least` jumps of order 2.
+        """The jumps, with a spline in zones that have at least `least` jumps of order 2.
+        Jumps of order 2 are jumps of the second derivative; the spline replaces them.
 
         make: makes a spline from the knots, their jumps and the function f. If f is not a quadratic
         spline with these jumps, the spline is made from the jumps alone.
@@ -206,7 +207,7 @@ class ForcingJumps(PlacedJumps):
         return theta(left, 2 - left)
 
     def rounding(self, count: int) -> Array:
-        """Upper bound of the round-off of the closed-form parts on each zone."""
+        """Upper bound of the round-off of closed forms (of jumps, splines, poles) on each zone."""
         out = np.asarray(2.2e-16 * np.bincount(self.zone, np.abs(self.height), minlength=count))
         for zone, spline in self.splines.items():
             out[zone] += 2.2e-16 * spline.size
@@ -224,12 +225,14 @@ class ForcingJumps(PlacedJumps):
     # The methods below give values at points (n,). A point is given by its zone and by its
     # distances from the zone's ends, in half widths.
     def smooth_part(self, zone: Index, left: Array) -> Array:
-        """The function whose sum with the right side g is smooth."""
+        """The function that cancels the jumps of the right side g; its sum with g is smooth."""
         out = -self.carried(zone, left)
         return out if self.logarithms is None else out + self.logarithms.on_zones(zone, left)
 
     def level_part(self, zone: Index, left: Array) -> Array:
-        """The part of `smooth_part` that comes from jumps of g itself; it is piecewise constant."""
+        """Piecewise constant function that cancels the jumps of the right side g itself.
+        It is a part of `smooth_part`, which also cancels the jumps of derivatives of g.
+        """
         return -replace(self.chosen(self.order == 0), splines={}, poles=NO_POLES).carried(
             zone, left
         )
@@ -242,11 +245,13 @@ class ForcingJumps(PlacedJumps):
         return out + self.poles.own_transform(zone, left) if len(self.poles) else out
 
     def own_transform(self, zone: Index, left: Array) -> Array:
-        """Transform, on the zones, of jumps, splines, poles and nearby logarithms."""
+        """Transform, on the zones, of the density of jumps, splines, poles and near logarithms."""
         return self.carried(zone, left) + self.near.own_transform(zone, left)
 
     def density(self, zone: Index | int, left: Array, right: Array) -> Array:
-        """The closed-form density of jumps, splines, poles and nearby logarithms."""
+        """Density that jumps, splines, poles and nearby logarithms of the right side cause.
+        It is a sum of closed forms.
+        """
         zone = np.broadcast_to(zone, left.shape)
         out = self._densities(zone, left, right)
         for spline, here in self._in_splines(zone):
@@ -274,7 +279,7 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the closed-form density from the left end, divided by the half width."""
+        """Integral of the closed-form density from the zone's left end, over its half width."""
         out = self.summed(zone, lambda at, k: self.integral_of(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.integral(left[here])
@@ -283,7 +288,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.integral(zone, left, right) if len(self.near) else out
 
     def transform(self, zone: Index, seen: OnLine) -> Array:
-        """Transform of jumps, splines, poles and nearby logarithms, on the zones and off them.
+        """Transform, on and off the zones, of the density of jumps, splines, poles and logarithms.
 
         Off the zones the Chebyshev series of all jumps of a zone replaces the closed forms where it
         is shorter, or where they cancel.
@@ -308,8 +313,8 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed forms, divided by the half width w, without c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of the closed-form density on each zone, divided by the zone's half width w.
+        The term c_0 log(w) is left out, with c_0 the integral of the density divided by pi w.
 
         The formulas are at the head of this file.
         """
@@ -338,7 +343,7 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """For each point, the sum of h / pi times `of` over the jumps in the zone of this point.
+        """For each point, the sum of `of` over the jumps in its zone, with the weights h / pi.
 
         of(points, jumps): values for pairs of a point and a jump; h: height of the jump.
         """
@@ -359,7 +364,9 @@ class ForcingJumps(PlacedJumps):
 
     @cached_property
     def _length(self) -> Index:
-        """For each zone, the index of its value in `JumpOptions.far_rho`."""
+        """For each zone, the index of the limit in `JumpOptions.far_rho` for its number of jumps.
+        Where |rho| is below this limit, one series replaces the closed forms of the zone's jumps.
+        """
         return np.searchsorted(OPTIONS.far_jumps, self.grouped.count, side="right")
 
     @cached_property
@@ -376,9 +383,9 @@ class ForcingJumps(PlacedJumps):
         """
         phi, s, q = self.phi, self.s, self.order
         sine, double = self.sine, np.sin(2 * phi)
-        # The contribution of a jump of g itself is computed from the jump's distance d to the
-        # nearer end. Otherwise terms would cancel close to the end, where the result is of the
-        # order d^(3/2).
+        # The contribution of a jump of the right side g itself is computed from the jump's distance
+        # d to the nearer end of the zone. Otherwise terms would cancel close to the end, where the
+        # result is of the order d^(3/2).
         near, angle = np.minimum(self.left, self.right), np.minimum(phi, self.psi)
         kink = (sine - angle * (1 - near)) / np.pi - 0.5 * near
         # `end` is the primitive of (t - s)_+^q at t = 1, and `mean` is the mean of this primitive
@@ -389,8 +396,9 @@ class ForcingJumps(PlacedJumps):
         )
         square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
         mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
-        # Let P be the primitive of C_q (head of this file) that vanishes at t = 0. `ends_c` is half
-        # the sum of its values at both ends, `mean_c` is its mean over theta.
+        # The transform of a jump's density, for the height 1, is the truncated power (t - s)_+^q minus
+        # a polynomial C_q. Let P be the primitive of C_q that vanishes at t = 0. `ends_c` is half the
+        # sum of the values of P at both ends, `mean_c` is the mean of P over theta.
         ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
         mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
@@ -418,7 +426,9 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
-        """`t_coefficients` with one count for each zone (Z,); later coefficients are zero."""
+        """Coefficients of T_l / sqrt(1 - t^2) in the closed-form density, in one row per zone.
+        counts: the number of coefficients of each zone (Z,). Later coefficients are zero.
+        """
         if len(self.near) or len(self.poles):
             count = int(counts.max(initial=0))
             return np.where(
@@ -440,11 +450,11 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """Coefficients of terms whose potential has no closed form; none here, shape (zones, 0)."""
+        """An empty table (zones, 0): all terms of this density have a potential in closed form."""
         return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
-        """Derivatives of the closed-form density by the angle, at zones' left and right ends.
+        """Derivatives by theta of the closed-form density, at the left and right end of each zone.
 
         Close to an end the density is the slope times the angle theta from that end.
         """
@@ -486,7 +496,7 @@ class ForcingJumps(PlacedJumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """Sum at points x (n,) of the logarithms that the given values of the right side lack.
+        """Sum at points x (n,) of the logarithmic terms that the given right side does not contain.
 
         It is 0 if there are plateaus: their logarithms are minus the transform of the plateaus.
         """
@@ -496,18 +506,23 @@ class ForcingJumps(PlacedJumps):
 
     @property
     def plateaus(self) -> Plateaus | None:
-        """The plateaus beside the zones; None if there are none."""
+        """Plateaus (stretches of constant density) beside the zones; None if there are none."""
         return None if self.logarithms is None else self.logarithms.plateaus
 
     def primitive_left_out(self, x: Array) -> Array:
-        """Antiderivative at points x of the sum of all logarithms, those of plateaus included."""
+        """Antiderivative at points x of the sum of all logarithmic terms of the right side.
+        The terms of plateaus (stretches of constant density) are included.
+        """
         if self.logarithms is None:
             return np.zeros(x.shape)
         return self.logarithms.primitive_at(x.ravel()).reshape(x.shape)
 
     # The methods below give values at complex points (see `sie.density.plane`).
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """-i log(B / A) with A, B = 1 - rho e^(+-i phi), rho of the points and phi of jumps k."""
+        """The logarithmic factor in the transform of each jump k, at complex points.
+        It is -i log(B / A) with A = 1 - rho e^(i phi) and B = 1 - rho e^(-i phi). rho is zeta -
+        sqrt(zeta^2 - 1) of the point zeta, and phi is the angle of the jump.
+        """
         c, s = half_angles(self.left[k], self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(
@@ -518,12 +533,12 @@ class ForcingJumps(PlacedJumps):
             )
 
     def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
-        """Derivative of `logarithm` by the coordinate zeta."""
+        """Derivative by zeta of `logarithm`, the logarithmic factor in the jumps' transforms."""
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k, divided by the half width w, without c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of the density of jumps k at complex points, divided by the half width w.
+        The term c_0 log(w) is left out, with c_0 the integral of the density divided by pi w.
         """
         parts = self.potential_of(
             k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]
@@ -542,7 +557,9 @@ class ForcingJumps(PlacedJumps):
 
 
 def on_circle(seen: OnLine) -> Complex:
-    """rho = zeta - sqrt(zeta^2 - 1) of points off the zone, and e^(i theta) on it."""
+    """The number rho of points off the zone, and e^(i theta) of points cos(theta) on the zone.
+    rho is zeta - sqrt(zeta^2 - 1) of the point zeta.
+    """
     root = root_weight(np.maximum(seen.left, 0.0), np.maximum(seen.right, 0.0))
     return np.where(seen.on, 0.5 * (seen.left - seen.right) + 1j * root, seen.rho)
 

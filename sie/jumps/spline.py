@@ -152,7 +152,9 @@ class QuadraticSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
     ) -> "tuple[QuadraticSpline, Array, Array] | None":
-        """(spline, remaining jumps, empty table of added jumps); None if `jumps` do not fit f.
+        """Spline that replaces most jumps of f'', and the remaining jumps; None if none fits.
+        The result is (spline, remaining jumps, empty table of added jumps). It is None if f does
+        not have the given `jumps`.
 
         The spline consists of those B-splines of f that lie inside the zone. `jumps` are the jumps
         of the second derivative of f, divided by two.
@@ -311,7 +313,8 @@ class ConjugateSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, g: Callable[[Array], Array]
     ) -> "tuple[ConjugateSpline, Array, Array] | None":
-        """(spline, zeros, place and height of an added jump); None if g's jumps are not `jumps`.
+        """Spline that replaces all jumps of g'', and one added jump; None if `jumps` do not fit g.
+        The result is (spline, zeros, position and height of the added jump).
 
         The zeros stand for the jumps that remain without the spline: none. The spline is g minus a
         function of two quadratic pieces that has the values and slopes of g at both ends. The added
@@ -325,7 +328,8 @@ class ConjugateSpline(Kept):
         ends = np.concatenate(([0.0], knots[:piece], [cut], knots[piece:], [2.0]))
         length, middles = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
         values, between = np.asarray(g(ends)), np.asarray(g(middles))
-        # Control points of the first and the last piece determine the slopes at the ends.
+        # `first` and `last` are the middle Bezier control points of the first and the last piece.
+        # They determine the slopes at the ends.
         first, last = (
             2 * between[i] - 0.5 * (values[i] + values[j]) for i, j in ((0, 1), (-1, -2))
         )
@@ -374,7 +378,8 @@ class ConjugateSpline(Kept):
 
     # The methods below integrate the spline g times smooth functions.
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
-        """(angles phi, weights) of the rule int g F dphi = sum of weights * F(phi), spline g.
+        """Nodes phi and weights of a quadrature rule for integrals int g F dphi, with the spline g.
+        The rule is int g F dphi = sum of weights * F(phi).
 
         F is any function that is smooth between the cuts.
         """
@@ -400,7 +405,7 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
-        """Nodes and weights (see `_moments`) on panels whose lengths double away from both ends."""
+        """Nodes and weights of the rule `_moments`, on panels that grow away from both ends."""
         return self._moments(self._cuts)
 
     @cached_property
@@ -428,7 +433,7 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def mean_offset(self) -> float:
-        """Mean over theta of a primitive of the spline, minus the primitive's mean at the ends.
+        """Mean over theta of the spline's primitive, minus the mean of its two end values.
 
         It is divided by the half width of the zone.
         """
@@ -442,7 +447,9 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
-        """(ends of cells in theta, Chebyshev series on cells) of the density's analytic part."""
+        """Chebyshev series of the density's analytic part, on cells in the angle theta.
+        The result is (ends of the cells, coefficients on the cells).
+        """
         cuts = self._cuts[1:-1]
         nearest = np.array([0.25, 0.5])
         cuts = np.concatenate((nearest * cuts[0], cuts, np.pi - nearest[::-1] * (np.pi - cuts[-1])))
@@ -496,7 +503,8 @@ class ConjugateSpline(Kept):
             near = np.where(rho[here, None] > 0, right, left)
             size = np.abs(rho[here])[:, None]
             # `near` is the distance of cos(phi) from the right end for rho > 0, and from the left
-            # end for rho < 0. Then rho (cos(phi) - rho) = |rho| (1 - |rho| - near).
+            # end for rho < 0. With it, rho (cos(phi) - rho) is |rho| (1 - |rho| - near), without
+            # cancellation.
             out[here] = (
                 (size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near))
                 @ weight
@@ -516,7 +524,8 @@ class ConjugateSpline(Kept):
         block = max(1, SUMS.cache_pairs // len(phi))
         for start in range(0, len(out), block):
             here = slice(start, start + block)
-            # 1 - rho e^(-i phi), without cancellation: see `InPlane.turned`.
+            # `b` is 1 - rho e^(-i phi) with rho of the points and phi of the nodes, computed
+            # without cancellation (see `InPlane.turned`).
             b = np.multiply.outer(one[here], of_m)
             b += np.multiply.outer(other[here], of_p)
             if what == "derivative":
@@ -531,8 +540,8 @@ class ConjugateSpline(Kept):
         )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of this density, divided by the half width w, without c_0 log(w).
-        c_0 is the integral of the density, divided by pi w.
+        """Potential of this density, divided by the half width w of the zone.
+        The term c_0 log(w) is left out, with c_0 the integral of the density divided by pi w.
 
         It holds on the zone and off it.
         """
@@ -573,12 +582,12 @@ def _graded(first: float, last: float) -> Array:
 def _two_pieces(
     cut: float, left: float, left_slope: float, right: float, right_slope: float
 ) -> tuple[Callable[[Array], Array], float]:
-    """(function of two quadratic pieces on [0, 2], half of the jump of its second derivative).
+    """A function of two quadratic pieces on [0, 2], and half of its second derivative's jump.
 
     It has the given values and slopes at 0 and 2. It and its slope are continuous at the cut.
     """
     beyond = 2.0 - cut
-    # `before`, `middle` and `after` are control points of the two quadratic pieces.
+    # `before`, `middle` and `after` are Bezier control points of the two quadratic pieces.
     before, after = left + 0.5 * cut * left_slope, right - 0.5 * beyond * right_slope
     middle = 0.5 * (beyond * before + cut * after)
     bends = (left - 2 * before + middle) / cut**2, (right - 2 * after + middle) / beyond**2

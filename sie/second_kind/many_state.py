@@ -44,14 +44,17 @@ class ManyState(SecondKindState):
 
     @property
     def levels(self) -> Array:
-        """Level of each zone; ValueError without a condition on levels."""
+        """Level of each zone, the constant part of the potential on the zone.
+        Raises ValueError if no side condition contains levels.
+        """
         rows = self.solver.rows
         if not isinstance(rows, LevelRows):
             raise ValueError(_NO_LEVELS)
         return np.asarray(rows.applied(self.unknowns)[1].level + rows.level_constants)
 
     def level_rates(self, values: Array) -> Array:
-        """Changes of the levels if the values of the side conditions change by `values`.
+        """Changes of the zones' levels if the values of the side conditions change by `values`.
+        A level is the constant part of the potential on a zone.
 
         Raises ValueError if there is no condition on levels.
         """
@@ -70,7 +73,9 @@ class ManyState(SecondKindState):
 
     @cached_property
     def _changes(self) -> Array:
-        """Changes of the coefficients by errors of all rows (samples, Z, n + 1)."""
+        """Changes of the density's coefficients by random errors of all rows of the equations.
+        The shape is (samples, Z, n + 1).
+        """
         kept = self.solver.random_changes
         if kept is not None and kept[0] is self.unknowns:
             return kept[1]
@@ -79,8 +84,8 @@ class ManyState(SecondKindState):
         errors = self._row_errors * signs
         unit = float(np.abs(errors).max(initial=0.0)) or 1.0
         rights = [self.solver.projected(one / unit) for one in errors]
-        # The solver's tolerance limits a norm over all zones. The square root of their number makes
-        # `ERRORS.negligible` the tolerance of each zone.
+        # The solver's tolerance limits a norm over all zones. With the square root of the number of
+        # zones as a factor, the tolerance of each zone is `ERRORS.negligible`.
         tolerance = ERRORS.negligible * np.sqrt(len(self.density.zones))
         changes = [unit * self.solver(one, tolerance) for one in rights]
         out = np.array([self.system.layout.padded(one) for one in changes])
@@ -89,10 +94,12 @@ class ManyState(SecondKindState):
 
     @cached_property
     def intensity_noise(self) -> Array:
-        """Round-off of the intensity K at the left and right ends (2, Z)."""
+        """Round-off of the intensity K at the left and right ends (2, Z).
+        K is the factor of the singular term in the density close to an end.
+        """
         if self.solver.is_loose:
-            # With a loose solver, the error of the iteration is larger than round-off. The next
-            # Newton step removes this error.
+            # A solver with a loose tolerance leaves an error of the iteration that is larger than
+            # round-off. The next Newton step removes this error.
             return np.asarray(ERRORS.safety * self.density.zones.edge_scale * self.solver.error)
         zones, count = self.density.zones, self._changes.shape[2]
         left, right = self.density.edge_values(count)
@@ -104,7 +111,7 @@ class ManyState(SecondKindState):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of each zone's density (Z,) due to the errors of all rows.
+        """Error of each zone's density (Z,) due to errors of all rows of the system of equations.
 
         As for `SecondKindState`; the changes of the density are found by the iteration.
         """

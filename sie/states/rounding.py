@@ -22,7 +22,9 @@ from sie.states.options import OPTIONS
 
 
 def intensity_rounding(state: Solved) -> Array:
-    """Round-off of the intensity K at the left and right end of each zone, (2, Z)."""
+    """Round-off of the intensity K at the left and right end of each zone, (2, Z).
+    K is the coefficient of 1 / sqrt(distance) in the density close to an end.
+    """
     density, system = state.density, state.system
     zones = density.zones
     # An intensity is a difference of the right side and the fields of zones. Its round-off is
@@ -65,8 +67,8 @@ def _of_others(state: Solved) -> Array | float:
     system, zones = state.system, state.density.zones
     layout, rounding = system.layout, system.jumps.rounding(len(zones))
     if system.equation.forcing.value_jumps:
-        # The field of the zones `by_moments` is computed from the right side itself, without this
-        # round-off.
+        # The field of the zones `by_moments`, which have many jumps, is computed from the right
+        # side itself, without this round-off.
         rounding[system.by_moments] = 0.0
     if not rounding.any():
         return 0.0
@@ -86,7 +88,10 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Error of intensities K (Z,) by round-off of levels; 0 if no condition uses levels."""
+    """Error of each zone's intensities K by round-off of levels; 0 if no condition uses levels.
+    K is the coefficient of 1 / sqrt(distance) close to an end. A level is the constant part of the
+    potential on a zone.
+    """
     equation, zones = state.system.equation, state.density.zones
     if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
@@ -103,7 +108,9 @@ def _of_levels(state: Solved) -> Array | float:
 
 
 def _through_rows(state: Solved) -> Array:
-    """Root mean square effect of the round-off of all rows on each intensity K (2, Z)."""
+    """Root mean square effect of the round-off of all rows on each intensity K (2, Z).
+    K is the coefficient of 1 / sqrt(distance) in the density close to an end.
+    """
     solver = state.direct
     assert solver is not None
     effect = _effect_on_intensities(state, solver)
@@ -114,7 +121,8 @@ def _through_rows(state: Solved) -> Array:
 
 
 def _effect_on_intensities(state: Solved, solver: Factored) -> Array:
-    """Derivatives of the intensities K with respect to the right sides of the rows (rows, 2 n).
+    """Derivatives of the intensities K by the right sides of the system's rows, (rows, 2 n).
+    K is the coefficient of 1 / sqrt(distance) in the density close to an end.
 
     The columns are the left ends of the n solved zones, then their right ends.
     """
@@ -123,7 +131,9 @@ def _effect_on_intensities(state: Solved, solver: Factored) -> Array:
 
 
 def _of_solved(state: Solved, values: Array) -> Array:
-    """Values at all ends (2, Z), from values at the ends of the solved zones (2, n)."""
+    """Values at all ends (2, Z), from values at the ends of the solved zones (2, n).
+    The ends of other zones are mirror images, or have the value 0.
+    """
     zones = state.system.zones
     out = np.zeros((2, len(zones)))
     out[:, zones.solved] = values
@@ -132,6 +142,7 @@ def _of_solved(state: Solved, values: Array) -> Array:
 
 def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
     """Effect of the truncation of series on the intensity K at both ends of each zone (2, Z).
+    K is the coefficient of 1 / sqrt(distance) in the density close to an end.
 
     missing, low: see `_row_truncation`.
     """
@@ -151,7 +162,7 @@ def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
 
 
 def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array) -> Array:
-    """Error of each row due to truncated coefficients and the residual's lowest modes.
+    """Error of each row of the system, by truncated coefficients and low modes of the residual.
 
     missing: sum of the truncated coefficients (Z,); low: amplitudes of the residual's lowest modes
     (solved zones, modes). Truncated coefficients act on the rows as the last kept one does, or
@@ -211,7 +222,8 @@ def _low_rows(state: Solved, low: Array) -> tuple[Index, Array]:
 
 
 def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
-    """(round-off of the system's rows, round-off of the solved zones' levels, see `State.levels`).
+    """(round-off of the system's rows, round-off of the levels of the solved zones).
+    A level is the constant part of the potential on a zone.
 
     In the first, rows that contain levels are zero: their round-off is that of the levels.
     """
@@ -224,7 +236,7 @@ def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
 
 
 def density_rounding(state: Solved, missing: Array, low: Array) -> Array:
-    """Error of each zone's density (Z,) due to truncation and round-off of the rows.
+    """Error of each zone's density (Z,) due to truncation and round-off of the equations' rows.
 
     The density is taken without its singular factors. If conditions nearly depend on each other,
     the effect is many times the errors of the rows. So the rows are changed at random, with a fixed
@@ -281,7 +293,9 @@ def _largest(coefficients: Array) -> Array:
 
 
 def _level_noise(state: Solved) -> Array:
-    """Root mean square round-off of each zone's level: mean of potential minus primitive of g."""
+    """Root mean square round-off of each zone's level: mean of potential minus primitive of g.
+    g is the right side.
+    """
     sizes, forcing = state.sizes, state.system.equation.forcing
     if state.system.integrated:
         return np.asarray(state.system.level_rounding(state.unknowns))

@@ -19,8 +19,8 @@ from sie.states.rounding import density_rounding, intensity_rounding, truncation
 # difference of the polynomials is zero at both ends, so that the quotient has no singular part.
 AT_ENDS = 0.73
 # Round-off of a sum of n coefficients close to a free end, divided by n^1.5 times the largest error
-# of a coefficient. It is 0.42 for the mean error instead of the largest error, thus 0.14, since the
-# largest error is about three times the mean. `State.made_of` doubles it, so about half is used.
+# of a coefficient. Divided by n^1.5 times the mean error, it is 0.42. The largest error is about
+# three times the mean, which gives 0.14. `State.made_of` doubles it, so about half is used.
 _OF_ROUNDING = 0.08
 
 
@@ -59,11 +59,14 @@ class State(Solved):
 
     @property
     def whole(self) -> "State":
-        """The solution with no gap treated as a slit: this object itself."""
+        """The solution in which every gap is resolved: this object itself.
+        Other classes treat narrow gaps inside wide zones as slits, which are not resolved.
+        """
         return self
 
     def wide_of(self, zones: Index) -> "tuple[State, Index]":
-        """(solution with no gap treated as a slit, indices of the given zones in that solution).
+        """Solution in which every gap is resolved, and the indices of the given zones in it.
+        Other classes treat narrow gaps inside wide zones as slits, which are not resolved.
 
         In this class no gap is treated as a slit, so the solution is this object itself.
         """
@@ -71,7 +74,9 @@ class State(Solved):
 
     @cached_property
     def intensity_noise(self) -> Array:
-        """Round-off of the intensity K at the left and right ends (2, Z)."""
+        """Round-off of the intensity K at the left and right ends (2, Z).
+        K is the coefficient of 1 / sqrt(distance) in the density close to an end.
+        """
         return intensity_rounding(self)
 
     @cached_property
@@ -111,12 +116,12 @@ class State(Solved):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of each zone's density (Z,) due to the truncation and round-off of all rows."""
+        """Error of each zone's density (Z,) by truncation and round-off of the equations' rows."""
         return density_rounding(self, self.missing, self.low_residuals)
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of a moving end's place by truncated series, over the zone's half width (Z, 2).
+        """Error of the position of each moving end by truncated series, in half widths (Z, 2).
 
         An error dK of the intensity moves an end by 2 dK / A, with the edge slope A.
         """
@@ -127,6 +132,7 @@ class State(Solved):
     @cached_property
     def intensity_truncation(self) -> Array:
         """Error of the intensity K at the left and right ends due to truncated series (2, Z).
+        K is the coefficient of 1 / sqrt(distance) in the density close to an end.
 
         It is caused by the zone's own missing coefficients, and by the truncation of all rows.
         """
@@ -187,7 +193,8 @@ class State(Solved):
 
     @cached_property
     def _missing(self) -> Array:
-        """The estimate `left_out` of neglected coefficients, at most ten times the residual.
+        """Estimated sum of the neglected coefficients of each zone, at most ten times the residual.
+        It is `left_out` with this upper bound.
 
         A larger sum would show in the residual. The extrapolation may be too large, because a
         series may decay faster towards its end.
@@ -255,7 +262,9 @@ class State(Solved):
         return np.array([row.max() for row in head]), np.array([row.max() for row in last])
 
     def _some_up_to(self, part: float) -> list[Array]:
-        """A few |coefficients| of each zone's right side, from mode `part` * `kept` downwards."""
+        """Absolute values of a few coefficients of each zone's right side, below a certain mode.
+        This mode is `part` times the number of nonzero coefficients.
+        """
         kept = self.kept.tolist()
         return [
             np.abs(row[int(part * k) :: -1][: max(4, k // 8)])
@@ -264,7 +273,9 @@ class State(Solved):
 
     @cached_property
     def neglected(self) -> Array:
-        """Sum of 0.73 k |c_k| over neglected c_k, divided by the zone's largest coefficient.
+        """Effect of the neglected coefficients c_k of each zone: the sum of 0.73 k |c_k|.
+        It is divided by the zone's largest coefficient. 0.73 k is the maximum of T_k / sqrt(1 -
+        t^2) without its singular part.
 
         It is extrapolated from the decay of the last coefficients.
         """
@@ -291,12 +302,14 @@ class State(Solved):
 
     @cached_property
     def _residual(self) -> Array:
-        """The largest residual of each solved zone at the points THETA."""
+        """The largest residual of the equation on each solved zone, at the check angles THETA."""
         return np.asarray(np.abs(self._residuals).max(axis=1))
 
     @cached_property
     def _residuals(self) -> Array:
-        """Residual of the equation times sqrt(1 - t^2) at the points THETA of each solved zone."""
+        """Residual of the equation times sqrt(1 - t^2), at check angles on each solved zone.
+        The angles are THETA.
+        """
         return self._residuals_at(
             self.density.zones.solved,
             np.broadcast_to(THETA, (len(self.density.zones.solved), LOOKS)),
@@ -319,13 +332,17 @@ class State(Solved):
 
 @lru_cache(maxsize=1)
 def separated_modes() -> tuple[Array, Array]:
-    """(values of sin(k theta) at the angles THETA, their pseudo-inverse), k <= LOOKS / 2."""
+    """Values of sin(k theta) at the check angles THETA, k <= LOOKS / 2, and a pseudo-inverse.
+    The pseudo-inverse gives the amplitudes of these low modes of a residual from its values.
+    """
     values = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
     return values, np.linalg.pinv(values)
 
 
 def _continued(row: Array, fall: float) -> tuple[bool, float]:
-    """(whether the coefficients `row` hardly decrease, estimate of the next one / max(row)).
+    """Extrapolation of a series of coefficients to the next coefficient.
+    The result is (whether the last coefficients `row` hardly decrease, estimate of the next
+    coefficient divided by the largest of `row`).
 
     row: last coefficients in descending order of the mode; fall: mean ratio of successive
     coefficients of the whole series. If the last ones decrease at less than half of this rate, they
@@ -339,7 +356,7 @@ def _continued(row: Array, fall: float) -> tuple[bool, float]:
 
 
 def beside_ends(kept: Index, residual: Callable[[Index, Array], Array]) -> Array:
-    """Largest residual close to the ends of zones with long series (n,), 0 for other zones.
+    """For each zone with a long series, the largest residual close to its ends; 0 for others.
 
     All neglected coefficients add up there, at angles of about one over their number. kept: number
     of coefficients of each zone; residual: function of zones (k,) and angles (k, points), the
@@ -361,7 +378,8 @@ def residual_errors(
     rounding: Array,
     separated: Mask | bool = True,
 ) -> Array:
-    """Relative error of the density on each zone (n,), from residuals at THETA (n, points).
+    """Relative error of the density on each zone (n,), from residuals at the check angles THETA.
+    residuals: the residual times sqrt(1 - t^2), of the shape (n, angles).
 
     rounding: round-off of the jumps' closed forms, which the residuals include. separated: mask of
     the zones on which the points separate the first modes of the residual from the others. Of the
@@ -379,13 +397,13 @@ def residual_errors(
         / size
     )
     # Between the angles THETA the residual may be about three times as large as at these angles.
-    # The term `5e-16 * coupled` is the round-off of the `coupled` modes, each counted once.
+    # `coupled` is the number of modes of each zone, and `5e-16 * coupled` is their round-off.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Size of the last coefficients of the field on each zone (Z,), relative to the density's.
+    """Size of the last coefficients of the field that other zones cause on each zone (Z,).
 
     The field is that of the other zones and of the columns. The sizes are divided by the largest
     coefficient of the zone's density.
@@ -408,7 +426,7 @@ def field_tails(system: System, y: Array, density: Density) -> Array:
 def _last_of_fields(
     system: System, y: Array, fall: Array | None = None, continued: bool = True
 ) -> Array:
-    """Largest of the last three coefficients, up to mode m, of the field on each zone (Z,).
+    """Largest of the last three of the m coefficients of the field on each zone (Z,).
 
     The field is that of the other zones and of the columns. The result is 0 for fewer than 8 modes.
     fall: ratio of successive coefficients; continued: whether each of the three is extrapolated to

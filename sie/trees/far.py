@@ -71,14 +71,15 @@ class Nested:
         return self._made(slice(0, len(self.tree)))
 
     def matrices(self, nodes: slice) -> Array:
-        """Matrices A of the given nodes, with T_j(alpha + beta s) = sum_k A_jk T_k(s).
+        """Matrices A that express a parent's Chebyshev polynomials by those of the given nodes.
+        T_j(alpha + beta s) = sum_k A_jk T_k(s), where alpha + beta s is the parent's variable.
 
         The shape is (TERMS, TERMS, nodes), with j and k first.
         """
         return self._all[:, :, nodes] if self.kept else self._made(nodes)
 
     def _made(self, nodes: slice) -> Array:
-        """The matrices A, by a recurrence over j for the polynomials T_j(alpha + beta s)."""
+        """The matrices A of `matrices`, by a recurrence over j for T_j(alpha + beta s)."""
         every = self._place[0][nodes], self._place[1][nodes]
         a = np.zeros((TERMS, TERMS, len(every[0])))
         a[0, 0], a[1, 0], a[1, 1] = 1.0, *every
@@ -97,7 +98,7 @@ class Nested:
 
     @cached_property
     def rises(self) -> Array:
-        """Rise of the potential from a parent's middle to its child's middle, by Chebyshev term.
+        """Rise of the potential from a parent's middle to its child's, per term of the transform.
 
         Each row holds the factors of the coefficients of the parent's transform.
         """
@@ -118,7 +119,9 @@ class Nested:
         ]
 
     def upward(self, leaves: Array) -> Array:
-        """Moments of all nodes, from the moments of the intervals (n, terms)."""
+        """Chebyshev moments of a density on all nodes of the tree, from those on the intervals.
+        leaves: the moments on the intervals (n, terms).
+        """
         tree, terms = self.tree, leaves.shape[1]
         out = np.zeros((terms, len(tree)))
         out[:, tree.leaves] = leaves.T
@@ -128,7 +131,7 @@ class Nested:
         return out.T
 
     def upward_by(self, loops: ModuleType, leaves: Array) -> Array:
-        """`upward` by compiled loops, which store no matrices."""
+        """Moments on all nodes, as `upward` gives them, by compiled loops without matrices."""
         moments = np.zeros((len(self.tree), leaves.shape[1]))
         moments[self.tree.leaves] = leaves
         loops.upward(self._structure, *self._place, moments)
@@ -137,7 +140,9 @@ class Nested:
     def downward_by(
         self, loops: ModuleType, series: Array, middle: Array
     ) -> tuple[Array, Array, Array]:
-        """`downward` by compiled loops. The series have the shape (nodes, terms)."""
+        """Fields on every interval, as `downward` gives them, by compiled loops.
+        The series have the shape (nodes, terms).
+        """
         leaves, rest = self.tree.leaves, np.zeros_like(middle)
         loops.downward(self._structure, *self._place, self.rises, (series, middle, rest))
         return series[leaves], middle[leaves], rest[leaves]
@@ -147,7 +152,7 @@ class Nested:
         return np.array(self.tree.levels), self.tree.parent
 
     def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
-        """Fields on every interval, from the fields given at the nodes of the tree.
+        """Fields on every interval, each the sum of the fields given at the tree nodes around it.
 
         The result is (Chebyshev series of the transform (intervals, terms), potential at the
         middle, correction to be added to this potential). The correction holds its round-off.
@@ -166,7 +171,10 @@ class Nested:
 
 
 class FarSum:
-    """Field of far zones: series of the transform, and potential at the middle of each target."""
+    """Fast sum of the fields that source intervals cause on far target intervals.
+    The result is a Chebyshev series of the transform, and the potential at the middle, for each
+    target.
+    """
 
     def __init__(self, sources: Nested, targets: Nested, kernel: Kernel) -> None:
         self.sources, self.targets, self.kernel = sources, targets, kernel
@@ -188,7 +196,8 @@ class FarSum:
         self._nodes: dict[int, tuple[Array, Array]] = {}
 
     def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
-        """(rho = z - sgn(z) sqrt(z^2 - 1), factor of the sum of the powers of rho) for far pairs.
+        """Numbers rho of the points at which far pairs are evaluated, and factors of series in rho.
+        rho is z - sgn(z) sqrt(z^2 - 1). The transform is the factor times a sum of powers of rho.
 
         z: the target's nodes, measured from the source's middle in half widths.
         """
@@ -201,7 +210,8 @@ class FarSum:
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
-        """Far field of the kernel's regular part: (matrix to the transform, row to the potential).
+        """Matrix and row that give the fields of the kernel's regular part from moments.
+        They are the moments of a density. The matrix gives the transform, the row the potential.
 
         Both act on the moments of the root of the source tree. They give the transform at Chebyshev
         nodes, and the potential at the middle, of the root of the target tree. A regular part given
@@ -253,7 +263,7 @@ class FarSum:
 
     @cached_property
     def _pairs(self) -> tuple[Any, ...]:
-        """The pairs by their targets, as `far_fields` of the compiled loops takes them."""
+        """Data of the pairs of far nodes, sorted by target, for the compiled loop `far_fields`."""
         first = np.flatnonzero(np.diff(self.far.target, prepend=-1))
         return (
             np.append(first, len(self.far)),

@@ -19,9 +19,10 @@ Entries = Callable[[Index, Index], Array]
 
 @dataclass(frozen=True)
 class InverseOptions:
-    """Options of the hierarchical inverse."""
+    """Options of the approximate inverse of a matrix by recursive halving."""
 
-    # Largest number of rows of a block that is inverted directly, and largest rank of a block.
+    # Largest number of rows of a diagonal block that is inverted directly, and largest rank of an
+    # off-diagonal block.
     leaf_size: int = 64
 
 

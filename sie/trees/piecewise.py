@@ -48,7 +48,8 @@ _WITH_SLOPE: tuple[What, What] = ("transform", "derivative")
 
 
 class PiecewiseTransform:
-    """The transform of a continuous piecewise quadratic function f.
+    """The transform (1/pi) PV int f(xi) K(x - xi) dxi of a piecewise quadratic function f.
+    K is the kernel, and f is continuous.
 
     f is p_0 + p_1 (xi - s_i) + p_2 (xi - s_i)^2 on the interval [s_i, s_i+1]. It is zero beyond the
     first and the last end.
@@ -121,7 +122,9 @@ class PiecewiseTransform:
 
     @cached_property
     def _series(self) -> Array:
-        """Coefficients (TERMS, cells) of the Chebyshev series on the cells."""
+        """Chebyshev coefficients (TERMS, cells) of the transform on each cell, without some terms.
+        The terms of jumps near the cell are left out, because they are evaluated in closed form.
+        """
         ends, pieces = self._pieces
         a, w = self.ends[:-1], self.half
         piece = np.minimum(np.searchsorted(ends, a, side="right") - 1, len(pieces) - 1)
@@ -155,7 +158,7 @@ class PiecewiseTransform:
     def _from(
         self, target: Index, source: Index, shift: Array, local: Array, moments: Array
     ) -> Array:
-        """Fields of the cells `source` at the nodes of the cells `target` (pairs, nodes)."""
+        """Transform of f on the cells `source`, at nodes of the cells `target` (pairs, nodes)."""
         left, right = chebyshev.gauss_sides(TERMS)
         a, b, w = self.ends[:-1], self.ends[1:], self.half
         after = (a[target] + b[target]) >= (a[source] + b[source]) + 2 * shift
@@ -215,7 +218,7 @@ class PiecewiseTransform:
         return total.reshape(shape)
 
     def __call__(self, x: ArrayLike) -> Array:
-        """The transform of f at points between the first and the last end."""
+        """The transform of f at points between the first and the last end of the pieces."""
         x = np.asarray(x, dtype=float)
         return np.reshape(by_rows(self._at_points, x.ravel(), max_rows=SUMS.cache_pairs), x.shape)
 
@@ -254,7 +257,7 @@ class PiecewiseTransform:
 
 @record
 class PiecesInPlane(Kept):
-    """The pieces of a function as sources of fields in the plane.
+    """The pieces of a piecewise quadratic function, as sources of fields at complex points.
 
     tree: over the pieces. series: first moments of its nodes, as coefficients of T_l / sqrt(1 -
     t^2). local: coefficients of each piece in the variable u, which goes from -1 to 1.
@@ -279,7 +282,9 @@ class PiecesInPlane(Kept):
         return fields_of_tree(self.tree, self.series, cauchy(), points, (what,), self.of_pieces)[0]
 
     def of_pieces(self, x: Array, y: Array, piece: Index, whats: Sequence[What]) -> list[Complex]:
-        """Fields of one piece at each point x + i y, for pairs of a point and a piece."""
+        """Transform of one piece, or the transform's derivative, at each point x + i y.
+        piece: for each point, the index of this piece.
+        """
         leaf = self.tree.leaves[piece]
         w = self.tree.half[leaf]
         left = complex_of((x - self.tree.lo[leaf]) / w, y / w)
@@ -302,7 +307,7 @@ class PiecesInPlane(Kept):
 
     @cached_property
     def nodes(self) -> tuple[Array, Array]:
-        """(nodes over all pieces, weights that reproduce the first moments of f / pi)."""
+        """Nodes over all pieces, and weights that reproduce the first moments of f / pi."""
         tree = self.tree
         xi = 0.5 * (tree.lo[0] + tree.hi[0]) + tree.half[0] * chebyshev.gauss(TERMS)
         weights = chebyshev.t_matrix(TERMS, TERMS) @ self.series[0] * (tree.half[0] / TERMS)
@@ -310,7 +315,9 @@ class PiecesInPlane(Kept):
 
 
 def clenshaw(table: Array, cell: Index, t: Array) -> Array:
-    """Chebyshev sums sum_k table[k, cell] T_k(t) by Clenshaw's recurrence, block by block."""
+    """Sum over k of table[k, cell] T_k(t) at each point, by Clenshaw's recurrence.
+    cell: the table's column for each point.
+    """
     out = np.empty(len(t))
     for start in range(0, len(t), SUMS.cache_pairs):
         here = slice(start, start + SUMS.cache_pairs)

@@ -108,7 +108,7 @@ def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Ind
 
 @record
 class Pairs:
-    """Pairs of a target and a source; each source is moved by `shift`."""
+    """Pairs of a target and a source (nodes or intervals); each source is moved by `shift`."""
 
     target: Index
     source: Index
