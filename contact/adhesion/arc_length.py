@@ -604,8 +604,9 @@ def _corrected(
     """
     if curve.formally is curve:
         return _newton(curve, here, start, normal, tight)[0]
-    # Newton's method runs on `curve.formally`, which keeps the number of zones of contact and tests
-    # no signs. The signs are tested once, at the equilibrium `found`.
+    # Newton's method runs on `curve.formally`, which keeps the number of zones of contact and does
+    # not test the signs of pressure and gap. These signs are tested once, at the equilibrium
+    # `found`.
     found, reached = _newton(curve.formally, here, start, normal, tight, True)
     if found is not None and curve.has_right_zones(found):
         return found

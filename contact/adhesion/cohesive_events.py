@@ -232,7 +232,7 @@ class CohesiveEvents(Events):
         return self.jump(touching, place, self.shrunk(table, state.value), False)
 
     def _without(self, here: CohesiveState, vanishing: Index) -> tuple[Array, CohesiveState] | None:
-        """(places where zones vanish, equilibrium without these zones and with zero gap there).
+        """(positions x at which zones vanish, equilibrium without them and with zero gap there).
 
         None if no such equilibrium is found.
         """

@@ -206,7 +206,7 @@ def _filled(curve: CohesiveCurve, zones: Array, table: Array) -> Array:
 
 
 def _is_near_rest(curve: CohesiveCurve, here: CohesiveState) -> bool:
-    """Whether a stable equilibrium is so near that Newton's method alone converges."""
+    """Whether `here` is so near a stable equilibrium that Newton's method alone converges."""
     if here.growth >= 0.0 or np.abs(here.residual).max() > MOVES.hard_drive:
         return False
     return bool(np.all(np.abs(here.newton) <= ACCURACY.coarse * curve.room(here.table)))
@@ -333,7 +333,7 @@ def _intervals_grown(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
 
 
 def _intervals_cut(curve: CohesiveCurve, here: CohesiveState) -> Array | None:
-    """The intervals of tension, without places where the gap exceeds the tension's reach.
+    """The intervals of tension, without parts where the gap exceeds the reach of the tension.
 
     Places next to an end of an interval are not removed, since that end recedes over them. None if
     nothing changed.

@@ -218,7 +218,7 @@ class State:
         return np.asarray(np.linalg.solve(damped - self.rates, self.residual), dtype=np.float64)
 
     def refuse_neutral(self) -> None:
-        """Raise NotConverged if some motion of the ends changes no residual.
+        """Raise NotConverged if some displacement of the ends changes no residual.
 
         Then there is a continuous family of contacts instead of one.
         """

@@ -165,7 +165,7 @@ class Events:
         return ("merge" if rises else "death") if after.count < before.count else "jump"
 
     def jump(self, here: State, place: float, after: PathState, rises: bool) -> Jump:
-        """The jump from an equilibrium to the path state `after`, which begins at x = `place`."""
+        """The jump from the equilibrium `here` to the state `after`; it begins at x = `place`."""
         before = PathState(here.value, here)
         return Jump(self.kind(before, after, rises), place, before, after)
 
@@ -205,7 +205,7 @@ class Events:
         return Jump("full" if after.closed else "birth", place, PathState(here.value, here), after)
 
     def _with_new(self, here: State, place: float, half: float) -> Array:
-        """The intervals and a new one at `place`, narrow enough that all ends move outward."""
+        """The intervals and a new one at x = `place`, so narrow that all ends tend to advance."""
         table = here.table
 
         while True:

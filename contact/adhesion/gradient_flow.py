@@ -184,7 +184,7 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
 
 
 def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array:
-    """New limits (2n,) of the ends' motions, after `step` under the old `limit` has failed.
+    """New limits (2n,) of the steps of the ends, after `step` under the old `limit` has failed.
 
     by: factor of the failed step, for all ends or for each one. If the state is unstable, one
     factor shortens the limits of all ends in proportion.
@@ -206,7 +206,8 @@ def _chord(here: State, ahead: State, most: float = 0.5) -> Array:
 
 
 def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
-    """(state after an implicit Euler step within the limits, inf in place of the step's size).
+    """(state after an implicit Euler step within the limits, inf).
+    The number inf stands for the size of the step, because this step must not count as convergence.
 
     This step is taken where some ends are driven back while others advance, as under a fixed
     approach.

@@ -201,7 +201,7 @@ def _settled(
         limit = np.minimum(MOVES.max_move * width, share * room)
         inward = MOVES.max_move * width
         moved = np.where(reaches, room, np.clip(step, -inward, limit))
-        # Newton's method squares the error, so this step suffices. The moved ends are not checked.
+        # Newton's method squares the error, so one more step suffices. Its result is not checked.
         if float(np.abs(moved / least).max()) < tolerances.last and not reaches.any():
             return solved(_moved(here, zones, moved, reaches))
         shrinks = ((step < -inward) | (pinned & rests)).all(axis=0)

@@ -44,7 +44,7 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
 
 
 def _curve_without_range(curve: CohesiveCurve, zones: Array, share: float) -> Curve | None:
-    """The equilibria under a law without range (JKR), with `share` times the adhesion work.
+    """The equilibria under a law without range (JKR), with `share` times the work of adhesion.
 
     None if the strip of tension is wider than the median zone, if the profile has a `support`, or
     if the problem's law has no such limit.

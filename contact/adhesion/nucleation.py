@@ -150,7 +150,7 @@ def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float
 
 
 def condition(curve: CohesiveCurve, here: CohesiveState, change: Change) -> tuple[float, float]:
-    """(place, value) of the least gap; for a merger or a split, of the least pressure."""
+    """(position, value) of the least gap; for a merger or split of zones, of the least pressure."""
     x = np.linspace(*change.where, SAMPLES.samples)
     if change.of_gap:
         return minimum(partial(curve.gap, here), x)

@@ -22,7 +22,7 @@ class SearchLimits:
 
 @dataclass(frozen=True)
 class MoveOptions:
-    """Options for the motions of ends, and the widths at which zones begin and vanish.
+    """Options for the steps of ends, and for the widths at which zones begin and vanish.
 
     Lengths are relative to the interval or gap next to an end. A drive is the residual of an end
     in the direction of the flow.

@@ -51,7 +51,7 @@ class UniformTension(sie.Kept):
 
     @property
     def spreads(self) -> list[tuple[int, SpreadEnd]]:
-        """For each gradual end of the tension: (0 for the first end or -1, its `SpreadEnd`).
+        """For each gradual end of the tension: (0 if it is the first, -1 if the last; `SpreadEnd`).
         A gradual end fades out over a zone that is pinned at a sharp corner.
         """
         return [
