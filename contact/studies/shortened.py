@@ -83,7 +83,7 @@ def in_turn(*steps: Callable[[Cells], Cells]) -> Callable[[Cells], Cells]:
 
 
 def least_and_largest(cells: Cells) -> Cells:
-    """Short form of errors: the rows with the smallest and the largest error in the second column."""
+    """Short form of errors: the rows with the smallest and largest error in the second column."""
     ordered = sorted(cells.rows, key=lambda row: float(row[1]))
     return cells._replace(rows=[ordered[0], ordered[-1]] if len(ordered) > 1 else ordered)
 
@@ -128,8 +128,8 @@ def hardest_reached(cells: Cells) -> Cells:
     """Short form of the times of several codes: for each scene the smallest error reached.
 
     The columns are the scene, then for each bound of the error, falling, one column for each code,
-    named "bound: code". A bound counts as reached if a code other than the first reaches it. If none
-    is, the largest bound is shown.
+    named "bound: code". A bound counts as reached if a code other than the first reaches it. If
+    none is, the largest bound is shown.
     """
     bounds = list(dict.fromkeys(name.partition(": ")[0] for name in cells.columns[1:]))
     codes = list(dict.fromkeys(name.partition(": ")[2] for name in cells.columns[1:]))
