@@ -7,9 +7,9 @@ from dataclasses import dataclass
 class SearchOptions:
     """Tolerances of intermediate solutions, fractions that count as small, iteration limits."""
 
-    # Relative error of rough solutions: coarse grids, trial loads for a guess of the zones, and the
-    # first rounds for very many zones. Zones or gaps narrower than this fraction of their
-    # neighbours are lost in rough solutions.
+    # Relative error of rough solutions: on coarse grids, under trial loads that give a guess of the
+    # zones, and in the first corrections of a guess with very many zones. Zones or gaps narrower
+    # than this fraction of their neighbours are lost in rough solutions.
     rough: float = 1e-3
     # Relative error of the solution on the finest grid. Solutions under trial loads have the same
     # error: they serve to find the load that gives a wanted approach or contact fraction.
@@ -24,9 +24,9 @@ class SearchOptions:
     # Allowed error of the contact width on a fine grid, in units of the mean zone width.
     missing_zones: float = 0.3
     least_error: float = 1e-13  # the smallest stated error that may be asked for
-    # Starting width of an interval that may not exist. It is relative to the interval's former
-    # width or, for a new zone, to the width of the overlap of the bodies. Newton's method decides
-    # whether the interval stays.
+    # Starting width of a zone or gap that the solution may not have. It is divided by the former
+    # width of this interval or, for a new zone, by the width of the overlap of the bodies. Newton's
+    # method decides whether the interval stays.
     doubtful_part: float = 0.1
     # A load, divided by E* and a length of the scene, at which the contact is far narrower than
     # that length.

@@ -67,7 +67,7 @@ def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outc
 
 
 def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedGaps:
-    """The contact of the gaps `found`, solved with zones as the unknown if that is more precise.
+    """The solution `found` by gaps, or the same contact solved by zones if that is more precise.
 
     This is not tried where the error comes from the approach: near full contact the level of the
     zones is a difference of large numbers in both formulations.
@@ -135,7 +135,7 @@ def _from_same_zones(context: SolveContext, found: SolvedZones) -> SolvedZones |
 
 
 def _holds_corner(context: SolveContext, found: SolvedZones) -> bool:
-    """Whether a zone contains a corner that the profile does not declare; no tolerance helps."""
+    """Whether a zone contains an undeclared corner; a smaller tolerance then does not help."""
     table = found.fields.problem.units.x(found.free.density.zones.table)
     return bool(undeclared_corner(context.scene, np.asarray(table)))
 

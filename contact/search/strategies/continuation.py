@@ -38,8 +38,8 @@ class ContinuationOptions:
     curves of many zones take a tenth longer.
     """
 
-    # Largest ratio of successive values of the control. Above this ratio, the units of length and
-    # slope chosen for the last solution do not suit the size of the new contact.
+    # Largest ratio of successive loads or widths. Above this ratio, the units of length and slope
+    # chosen for the last solution do not suit the size of the new contact.
     max_ratio: float = 16.0
     max_changes: int = 4  # largest number of zones that appear or vanish
 
@@ -48,7 +48,7 @@ OPTIONS = ContinuationOptions()
 
 
 def from_previous(context: SolveContext) -> Outcome | Failure:
-    """The contact from zones extrapolated through the last solutions of a curve."""
+    """The contact from zones extrapolated from the solutions at the last loads or widths."""
     if not context.previous or not _is_followed(context):
         return NOT_APPLICABLE
     last, value = context.previous[-1], context.scene.control[1]
@@ -89,7 +89,7 @@ def _decide(context: SolveContext, way: str, changes: int) -> None:
 
 
 def _is_followed(context: SolveContext) -> bool:
-    """Whether one scaled problem serves all values of the control, and equilibrium is unique.
+    """Whether zones can be extrapolated: the scaled problem is constant, equilibrium is unique.
 
     The scaled problem of a localized model's strip, or of an unknown tilt, changes with the value.
     """

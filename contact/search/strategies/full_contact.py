@@ -33,7 +33,7 @@ def smallest_full(context: SolveContext) -> Full:
 
 
 def no_inverse(context: SolveContext, what: str) -> str:
-    """The error message for an interaction that gives a kernel but no symbol."""
+    """The error message for an interaction with a kernel but no symbol (Fourier representation)."""
     name = context.scene.interaction.name
     return (
         f"{what}: the interaction {name!r} gives a kernel and no symbol, "
@@ -43,7 +43,7 @@ def no_inverse(context: SolveContext, what: str) -> str:
 
 
 def full_under(context: SolveContext, control: Control, but_for_kinks: bool = False) -> Full | None:
-    """Full contact if the control is large enough for full contact, else None.
+    """Full contact if the given load or approach is large enough for full contact, else None.
 
     The control is large enough if its mean pressure is at least that at which full contact begins.
     but_for_kinks: gaps over the kinks of valleys that are narrower than the digits resolve count as
@@ -68,7 +68,7 @@ def full_under(context: SolveContext, control: Control, but_for_kinks: bool = Fa
 
 
 def closed_pressure(context: SolveContext) -> float | None:
-    """Mean pressure [Pa] under the control if the surfaces touch on the whole period.
+    """Mean pressure [Pa] if the surfaces touch on the whole period, from the load or approach.
 
     None if the control does not determine this pressure. An approach determines it if the substrate
     has a base or a spring is in series.
@@ -89,7 +89,7 @@ def closed_pressure(context: SolveContext) -> float | None:
 
 
 def closed(context: SolveContext) -> Full:
-    """Full contact by adhesion; raises OutOfRange if the control fixes no mean pressure."""
+    """Full contact by adhesion; raises OutOfRange if the mean pressure is not determined."""
     mean_pressure = closed_pressure(context)
     if mean_pressure is None:
         raise OutOfRange(
@@ -107,8 +107,9 @@ def refuse_full_approach(context: SolveContext, problem: Problem, control: Contr
     _refuse_wide_punch(context, control.approach * units.height)
     if not limit.approached or context.operator.compression:
         return
-    # Without a base the mean displacement is zero, so the mean gap is `highest` minus the approach.
-    # `highest` is the profile's mean height above its lowest point, and `rounding` its round-off.
+    # If the substrate has no base, the mean displacement is zero. So the mean gap is `highest`
+    # minus the approach. `highest` is the profile's mean height above its lowest point, and
+    # `rounding` its round-off.
     highest = mean_shape(problem)
     rounding = 8 * EPS * (highest + abs(problem.lowest) / units.height)
     if control.approach >= highest - rounding:

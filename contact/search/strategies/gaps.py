@@ -25,17 +25,18 @@ from sie import Array
 class GapOptions:
     """Contact fractions above which the gaps are the unknowns, and not the zones."""
 
-    # For values from 0.5 to 0.9, both kinds of unknowns lead to the solution. At contact fractions
-    # above about 0.7, the gaps need fewer modes than the zones.
+    # Contact fraction above which the gaps are the unknowns, as they then need fewer modes than the
+    # zones. Values from 0.5 to 0.9 also lead to the solution.
     wide_contact: float = 0.7
-    # This fraction replaces `wide_contact` for several asperities with kinks in their valleys. No
-    # load closes a gap over a kink, and a search for zones loses narrow gaps.
+    # The same fraction for several asperities with kinks in the valleys between them. No load
+    # closes a gap over a kink, and a search for zones loses narrow gaps.
     wide_contact_with_kinks: float = 0.25
 
 
 OPTIONS = GapOptions()
 
-# The plan's reason begins with these words if a similar solution had the same unknowns.
+# The plan states why zones or gaps are the unknowns. The reason begins with these words if they
+# were the unknowns of a similar solution.
 _AS_BEFORE = "they served under a similar load: "
 
 
@@ -81,7 +82,7 @@ def gaps_are_better(
 
 
 def record_as_before(plan: Plan, before: Solution) -> None:
-    """Record in the plan the unknowns of `before`, zones or gaps, and the reason for them."""
+    """Record in the plan that the unknowns are those of `before`, zones or gaps, and why."""
     way = "gaps" if isinstance(before.fields, GapFields) else "zones"
     decided = before.plan.decisions.get("unknowns")
     if decided is None or decided.way != way:
@@ -92,7 +93,7 @@ def record_as_before(plan: Plan, before: Solution) -> None:
 
 
 def record_unknowns(context: SolveContext, solved: SolvedZones | SolvedGaps) -> None:
-    """Record in the plan whether the kept solution has zones or gaps as its unknowns."""
+    """Record in the plan whether the final solution has zones or gaps as its unknowns."""
     plan, module = context.plan, context.scene.law.routes.module
     decided = plan.decisions.get("unknowns")
     way = "gaps" if isinstance(solved, SolvedGaps) else "zones"
@@ -181,7 +182,7 @@ def _from_guesses(
     zones: Array | None,
     **newton: bool,
 ) -> SolvedGaps | Failure:
-    """The solution by gaps, from a first guess of the gaps.
+    """The contact with its gaps as unknowns, from a first guess of the gaps.
 
     The guess is the gaps between `zones`, or the places where full contact would need tension.
     """
@@ -192,8 +193,9 @@ def _from_guesses(
         if zones is not None and len(zones) > 0:
             table = united(gaps_between(zones, period), period, True, form.what)
             found = refine_topology(form, control, table, NewtonSettings(tolerance, mean, **newton))
-            # `abandon_if_far` is set if `zones` come from a solution, but not if they come from a
-            # grid. A grid may miss narrow gaps, so that the gaps are guessed again below.
+            # If `zones` come from a solution, `abandon_if_far` is set, and the search ends here. A
+            # grid may miss narrow gaps. So if `zones` come from a grid, the gaps are guessed again
+            # below.
             if newton.get("abandon_if_far") or isinstance(found, SolvedGaps):
                 return found
         return refine_topology(form, control, guesses.gaps(mean), NewtonSettings(tolerance, mean))

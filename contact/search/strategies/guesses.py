@@ -57,12 +57,12 @@ class GuessOptions:
     # as the test takes time.
     maybe_full: float = 0.4
     # Smallest accepted gap between a zone and the border of a localized model's strip. It is
-    # relative to the narrowest border gap in the table of `single_branch`. Modes do not resolve
-    # narrower gaps.
+    # divided by the narrowest such gap for which `single_branch` has a solution. The modes of the
+    # pressure do not resolve narrower gaps.
     narrowest_border_gap: float = 0.1
-    # Contact wider than this fraction of the largest width is almost full. A zone of such a width
-    # from the closed form is useless as a first guess. If the search fails at such
-    # a width, the error message also names narrow gaps.
+    # Contact is almost full if it is wider than this fraction of the largest possible width. A zone
+    # as wide as that, from the closed form, is useless as a first guess. If the search fails at
+    # such a width, the error message names narrow gaps as a possible reason.
     almost_full: float = 0.99
 
 
@@ -83,8 +83,8 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
     if scaled.control.approach is not None and (full := full_under(context, scaled.control)):
         return full
     refuse_full_approach(context, scaled.problem, scaled.control)
-    # Whether the scene itself gives the width. Closures of the localized model also control widths;
-    # these widths do not count here.
+    # Whether the scene itself gives the contact width. A closure of the localized model (a rule
+    # that determines the contact width) also prescribes a width, which does not count here.
     width_is_given = context.scene.given_fraction is not None
     if width_is_given and not context.single:
         return by_fraction(context, scaled)
@@ -233,7 +233,7 @@ GUESSES: tuple[tuple[str, Guess], ...] = (
 def from_grid(
     context: SolveContext, scaled: ScaledScene, points: int | None = None, allow_loss: bool = False
 ) -> Outcome:
-    """The contact from the zones of a coarse grid, refined until they pass the certificate.
+    """The contact from the zones of a coarse grid; finer grids follow until the search succeeds.
 
     points: number of points of the first grid; None: as many as the profile needs. allow_loss: see
     `NewtonSettings`.
@@ -247,8 +247,8 @@ class _GridSearch:
     def __init__(self, context: SolveContext, scaled: ScaledScene, allow_loss: bool) -> None:
         self.context, self.scaled, self.allow_loss = context, scaled, allow_loss
         self.most = SAMPLING.max_points
-        # `touched`: whether contact touched the border of the search interval. `widened`: number of
-        # times the interval was widened.
+        # `touched`: whether contact on an earlier grid touched the border of the present search
+        # interval. `widened`: number of times that the interval was widened.
         self.touched, self.widened = False, 0
         self.failure: Failure | None = None
 
@@ -270,7 +270,8 @@ class _GridSearch:
             if not isinstance(found, Failure):
                 return found
             if found is not NOT_APPLICABLE:
-                # A profile with a false claim has no contact. Finer grids take long to show it.
+                # If the profile declares a false property, such as a wrong slope, no grid leads to
+                # a contact. This check raises an error before slow finer grids are tried.
                 claims.of(context.scene.profile, np.asarray(proposal.zones))
                 if self._is_hopeless(found, points):
                     break
@@ -327,7 +328,7 @@ class _GridSearch:
         return None
 
     def _wider_window(self) -> ScaledScene | None:
-        """The scene in a cell twice as wide; None if the cell already is the whole profile."""
+        """The scene with a twice as wide search interval; None if it is the whole profile already."""
         lo, hi = self.scaled.cell
         known = known_part(self.context.scene.profile) or (-math.inf, math.inf)
         half = 0.5 * (hi - lo)
@@ -335,7 +336,7 @@ class _GridSearch:
         return None if cell == self.scaled.cell else replace(self.scaled, cell=cell)
 
     def _from_proposal(self, proposal: Proposal) -> Outcome | Failure:
-        """The contact found from a grid's zones: full contact, or one solved for gaps or zones."""
+        """The contact from the zones of a grid: full contact, or solved by gaps or by zones."""
         context, problem, control = self.context, self.scaled.problem, self.scaled.control
         width = proposal.width / problem.units.length
         if (

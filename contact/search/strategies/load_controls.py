@@ -84,7 +84,7 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
 
 
 def at_level(context: SolveContext) -> SolvedZones:
-    """Contact of a lone body at a given approach; zones at a nearby load are the first guess."""
+    """A lone body's contact at an approach, from the zones under a load of about this approach."""
     failure, problem = Failure("no load was tried"), None
     for nearness in (SEARCH.rough, SEARCH.intermediate):
         context = context.with_warm_start(at_approach(context, nearness))
@@ -134,7 +134,7 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
             fraction, rate = contact_fraction(nearest)
             change = abs(rate * (load - nearest.load))
             if change >= OPTIONS.max_change * min(fraction, 1 - fraction):
-                # A grid is a better start than a solution that is so far away.
+                # A grid is a better start than a solution whose contact fraction is so different.
                 nearest = None
         elif start is not None and load == start.load:
             return start
@@ -165,7 +165,9 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
 def _by_first_guess(
     context: SolveContext, scaled: ScaledScene, goal: float
 ) -> SolvedZones | SolvedGaps | float:
-    """The contact of fraction `goal` from a first guess; if this fails, the load from a grid."""
+    """The contact with contact fraction `goal`, from a first guess of the zones or gaps.
+    If the search fails, the load [N/m] at which a grid contact has about this fraction.
+    """
     problem, control = scaled.problem, scaled.control
     # Close to full contact, grids do not resolve the narrow gaps that remain. The gaps are guessed
     # from the places where full contact needs tension.
@@ -199,8 +201,8 @@ def _from_grid(
     )
     if found_by_gaps is not None:
         return found_by_gaps
-    # All widths are multiplied by one factor, so that their sum is the wanted width. Without this,
-    # Newton's first step would be too long for the short kernel of a thin layer.
+    # All zone widths are multiplied by one factor, so that their sum is the wanted width. Without
+    # this, Newton's first step would be too long for the short kernel of a thin layer.
     half = np.diff(table) / 2
     table = table + half * [-1.0, 1.0] * (control.value / (2 * half.sum()) - 1.0)
     return _refined(context, problem, control, table, proposal.load / problem.units.load)
@@ -254,7 +256,7 @@ def _from_solution(
 def _refined(
     context: SolveContext, problem: Problem, control: Control, table: Array, load: float
 ) -> SolvedZones | Failure:
-    """Zones that pass the certificate, found from a table of zones close to the solution."""
+    """Zones that pass the check of signs, found from a table of zones close to the solution."""
     return context.refine_topology(problem, control, table, load_guess=load)
 
 
@@ -289,8 +291,8 @@ def _solver_of_loads(context: SolveContext) -> Callable[[float, Solution | None]
             # intermediate solution.
             if failure.best is None or not failure.best.error < SEARCH.rough:
                 raise
-            # The next loads ask for no smaller error than this load has. Without this, each load
-            # would repeat the attempts that failed here.
+            # The tolerance of the next loads is twice the error that was reached at this load. With
+            # a smaller tolerance, each load would repeat the attempts that failed here.
             tolerance = min(2 * failure.best.error, SEARCH.rough)
             return failure.best
 

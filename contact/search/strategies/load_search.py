@@ -45,7 +45,8 @@ class KnownLoads:
     least: float = 0.0  # [N/m]; loads up to this one have no solution
     bounded: bool = False  # a large load may bring the contact to the end of the known profile
     concave: bool = False  # the quantity is concave in the load
-    # The search ends once the width of the bracket, divided by the load, is below this.
+    # The search ends once the width of the bracket of loads, divided by the load, is below this
+    # value.
     closed: float = TOLERANCES.balance
 
 
@@ -67,7 +68,8 @@ def contact_fraction(solution: Solution) -> tuple[float, float]:
 def nearer(
     solve: Solve, quantity: Quantity, goal: float, first: float, limits: KnownLoads = KnownLoads()
 ) -> Iterator[tuple[Solution, float]]:
-    """Yield solutions whose quantity approaches `goal`, and the relative error of each load.
+    """Yield solutions at which a quantity approaches `goal`, each with the error of its load.
+    The error is relative to the load.
 
     first: the load to begin with [N/m]. The search ends when the bracket is closed or no load can
     have the goal. Raises OutOfRange if no load has a solution at all.
@@ -111,12 +113,13 @@ class _Bracket:
         self.goal, self.limits = goal, limits
         self.low, self.high = limits.least, math.inf
         self.load = max(first, 2 * limits.least)
-        # At most three solutions, the newest one last.
+        # The last solutions of the search: at most three, the newest one last.
         self.solutions: list[Solution] = []
         # Lower and upper bound of the wanted load, from tangents of a quantity that is concave in
         # the load.
         self.tangents = (0.0, math.inf)
-        # Steps in a row that halved neither the bracket nor the distance from `goal`, `missed`.
+        # `slow_steps`: number of successive steps that halved neither the bracket nor `missed`, the
+        # distance of the quantity from `goal`.
         self.slow_steps, self.missed = 0, math.inf
 
     @property
@@ -200,7 +203,7 @@ def by_quantity(
     warm_start: Solution | None,
     solve: Callable[[Scene, float, Solution | None], Solution],
 ) -> Solution:
-    """The contact under a user's own control. solve: the function that solves under a load."""
+    """The contact at which a user-defined quantity has a given value. solve: solves at a load."""
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
     tolerance = max(SEARCH.tight_factor * tol, SEARCH.least_error)
     told = AuthorMethod(f"{control.name}.of(solution)", "control")
