@@ -329,8 +329,8 @@ def _downward(
     family: Family, last: int, less: Number, left: Number
 ) -> Iterator[tuple[int, Number]]:
     """Yield (n, f_n / f_(n-1) - 1) for n from `last` down to 1, with the scaled transforms f_n.
-
-    f_n is the transform F_n divided by the value p_n(1) or q_n(1) of its polynomial.
+    f_n is the transform of the polynomial n times its weight, divided by the polynomial's value at
+    t = 1.
 
     For points on the line and real alpha all terms have one sign, so that nothing cancels.
     """

@@ -35,7 +35,9 @@ class SumOptions:
 
     @property
     def max_turn(self) -> float:
-        """Largest change of l theta over a panel (one quadrature interval) for cos(l theta)."""
+        """Largest change of the phase l theta over a panel, in integrals of cos(l theta).
+        A panel is one interval of the quadrature.
+        """
         return self.gauss_nodes / 2
 
 

@@ -57,7 +57,7 @@ class ValueMode:
 
     @property
     def _half(self) -> JacobiFunctions:
-        """The functions `weighted`, mirrored if the density has the value 1 at the right end."""
+        """The interval's densities `weighted`, mirrored if this density is 1 at the right end."""
         return self.weighted if self.at_left else self.weighted.mirrored
 
     @property
@@ -95,10 +95,8 @@ class ValueMode:
 
     def edge_slopes(self) -> tuple[float, float]:
         """Factors A of the terms A d^gamma of this density at the left and right end.
-        d is the distance from the end.
-
-        The half width is 1. gamma is 1 - alpha at the left end and alpha at the right end. At the
-        end with the value 1, A d^gamma is added to this value.
+        d is the distance from the end, for the half width 1. gamma is 1 - alpha at the left end and
+        alpha at the right end. At the end with the value 1, A d^gamma is added to this value.
         """
         w = self._half
         near = -w.sine / np.pi / w.rest * 0.5**w.rest

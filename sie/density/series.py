@@ -139,8 +139,8 @@ class Series(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A at both ends of each zone: the coefficients of sqrt(distance).
-        The distance is that from the end, and the function is the density.
+        """Edge slopes A of the density at both ends of each zone, coefficients of sqrt(distance).
+        The distance is that from the end.
         """
         left, right = interval.edge_slopes(
             *self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half
@@ -276,8 +276,9 @@ class Series(DensityBase):
 
     @cached_property
     def panel_moments(self) -> tuple[Panels | Skeleton, Array] | None:
-        """`Panels` or `Skeleton` of the kernel's regular part, and the density's moments for it.
-        Sums with the regular part are computed from these moments.
+        """Fast-sum form of the kernel's regular part, and the density's moments for it.
+        The form is `Panels` (equal parts of the line) or a `Skeleton` (an interpolation from a few
+        source positions).
 
         It is None if the regular part is not computed by panels.
         """

@@ -14,7 +14,7 @@ from sie.slits.slits import OPTIONS as SLITS
 
 @record
 class Step:
-    """Record of one Newton step.
+    """Record of one Newton step in the search for the ends of the zones.
 
     zones: table of the ends before the step. move: largest move of an end, relative to the width of
     the end's zone. value: value of the open condition, if the equation has one.
@@ -74,7 +74,7 @@ class Progress:
 
     @property
     def linear(self) -> float:
-        """Tolerance of the next iterative solution of the linear system.
+        """Tolerance of the next iterative solution of the linear system for a Newton step.
 
         The next step is about the square of the last one, and the step after it the fourth power.
         The error of the solution should be smaller than both, since a few more digits cost less

@@ -340,7 +340,7 @@ class IterativeSystem(System):
 
 @record
 class Applied(Rows):
-    """Quantities that side conditions use, evaluated at given unknowns y.
+    """Quantities that side conditions use (integrals, levels, intensities), for unknowns y.
 
     The class implements `conditions.Rows`. Each matrix has one column with the values for y. edges:
     intensities K at the left and right ends of the solved zones (2, n), if they are not to be
@@ -393,7 +393,9 @@ class Applied(Rows):
         return (left[:, None], constant_left), (right[:, None], constant_right)
 
     def held(self) -> Linear:
-        """The intensities K at the fixed ends where K is prescribed, left ends first."""
+        """The intensities K at the fixed ends where K is prescribed, left ends first.
+        K is the coefficient of 1 / sqrt(distance) in the density close to an end.
+        """
         pairs = list(zip(self.zones.fixed_bounded, self.intensities(), strict=True))
         matrix, constants = (
             np.concatenate([linear[part][chosen] for chosen, linear in pairs]) for part in (0, 1)

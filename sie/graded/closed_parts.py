@@ -46,15 +46,16 @@ class ClosedParts(Kept):
         return sorted(self.jumps.by_zone)
 
     def smooth_part(self, zone: int, places: Places) -> Array:
-        """The function that cancels the jumps of the right side, at points of a zone.
+        """The function that cancels jumps and singular points of the right side, on a zone.
         Its sum with the right side is smooth.
         """
         left = places.from_a / self.zones.half[zone]
         return self.jumps.smooth_part(np.full(len(left), zone, dtype=np.intp), left)
 
     def transforms(self, zone: int, places: Places, x: Array, seen: list[Seen]) -> Array:
-        """Transform of the jumps' densities at points of a zone, without its own closed form.
-        The kernel's regular part is included for all jumps.
+        """Transform of the jumps' densities at points of a zone, without some closed forms.
+        The closed forms of the jumps in the zone itself are left out. The kernel's regular part is
+        included for all jumps.
 
         seen: the zones with jumps and their images, see `Seen`.
         """

@@ -228,6 +228,7 @@ class ExteriorLogarithms(PerZone):
 
 def potential_series(up: Complex | Array, rho: Complex | Array) -> Complex:
     """The sum over j >= 2 of (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)) in closed form.
+    It is a part of the potential of a logarithm's density.
 
     The caller adds the term j = 1, which has a logarithm of rho.
     """

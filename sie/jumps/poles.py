@@ -347,7 +347,7 @@ class Poles(PerZone):
         return np.asarray(np.bincount(self.zone, parts.real, zones), dtype=float)
 
     def edge_slopes(self, zones: int) -> tuple[Array, Array]:
-        """Derivatives of the poles' density by the angle, at each zone's left and right end."""
+        """Derivatives by theta of the poles' density, at the left and right end of each zone."""
         p, m = self.roots
         left, right = (0.5 * self.q / root**2 for root in (p, m))
         out = np.array(
@@ -381,6 +381,7 @@ def _seen(
     zones: Zones, places: Array, period: float | None
 ) -> Iterator[tuple[int, int, float, float]]:
     """Yield (position index, zone, distances from the zone's ends) for positions near a zone.
+    The positions are those of algebraic points, where a function is a power of the distance.
 
     A position is close to a zone if it lies in it or within `JumpOptions.reach` half widths.
     """

@@ -54,7 +54,8 @@ from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
 # quantity.
 Spline = QuadraticSpline | ConjugateSpline
 MakeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
-# Terms of a sum that take as long as one pair of a point and a jump, with its logarithm.
+# Number of terms of a plain sum that take as long as one pair of a point and a jump, whose term has
+# a logarithm.
 _TERMS_OF_A_SHAPE = 16
 
 
@@ -187,7 +188,8 @@ class ForcingJumps(PlacedJumps):
         return out + np.bincount(self.poles.points[0], minlength=len(out))
 
     def places(self, zone: int) -> tuple[Array, Index]:
-        """(distances from the left end in half widths, orders) of the jumps of a zone.
+        """For the jumps of a zone, the distances from its left end in half widths, and the orders.
+        The order of a jump is the number of the derivative that jumps.
 
         The knots of its spline are included.
         """
@@ -225,7 +227,9 @@ class ForcingJumps(PlacedJumps):
     # The methods below give values at points (n,). A point is given by its zone and by its
     # distances from the zone's ends, in half widths.
     def smooth_part(self, zone: Index, left: Array) -> Array:
-        """The function that cancels the jumps of the right side g; its sum with g is smooth."""
+        """The function that cancels jumps and singular points of the right side g.
+        The sum of this function and g is smooth.
+        """
         out = -self.carried(zone, left)
         return out if self.logarithms is None else out + self.logarithms.on_zones(zone, left)
 
@@ -279,7 +283,9 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
-        """Integral of the closed-form density from the zone's left end, over its half width."""
+        """Integral of the closed-form density from the zone's left end to each point.
+        It is divided by the half width of the zone.
+        """
         out = self.summed(zone, lambda at, k: self.integral_of(k, left[at], right[at]))
         for spline, here in self._in_splines(zone):
             out[here] += spline.integral(left[here])
@@ -343,7 +349,8 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """For each point, the sum of `of` over the jumps in its zone, with the weights h / pi.
+        """For each point, the weighted sum of a function `of` over the jumps in the point's zone.
+        The weight of a jump is its height h divided by pi.
 
         of(points, jumps): values for pairs of a point and a jump; h: height of the jump.
         """
@@ -356,7 +363,9 @@ class ForcingJumps(PlacedJumps):
                 yield self.splines[i], here
 
     def _far(self, zone: Index, seen: OnLine) -> Mask:
-        """Whether each point is so far from its zone that the series of the jumps is used."""
+        """Whether a point is so far from its zone that a series replaces the closed forms.
+        The series and the closed forms are those of all jumps of the zone.
+        """
         return np.asarray(
             ~seen.on
             & (np.abs(seen.rho) < np.array(OPTIONS.far_rho)[self._length[self.grouped.rows(zone)]])
@@ -396,9 +405,9 @@ class ForcingJumps(PlacedJumps):
         )
         square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
         mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
-        # The transform of a jump's density, for the height 1, is the truncated power (t - s)_+^q minus
-        # a polynomial C_q. Let P be the primitive of C_q that vanishes at t = 0. `ends_c` is half the
-        # sum of the values of P at both ends, `mean_c` is the mean of P over theta.
+        # The transform of a jump's density, for the height 1, is the truncated power (t - s)_+^q
+        # minus a polynomial C_q. Let P be the primitive of C_q that vanishes at t = 0. `ends_c` is
+        # half the sum of the values of P at both ends, `mean_c` is the mean of P over theta.
         ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
         mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
@@ -474,7 +483,7 @@ class ForcingJumps(PlacedJumps):
         return out[0], out[1]
 
     def _edge_slopes(self) -> tuple[Array, Array]:
-        """Derivatives of each jump's density by the angle, at the left and right end of its zone.
+        """Derivatives by theta of each jump's density, at the left and right end of its zone.
 
         At the right end kappa ~ theta cot(phi/2).
         """

@@ -75,7 +75,7 @@ OPTIONS = SplineOptions()
 
 
 def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
-    """Whether the jumps `found` between pieces equal the `wanted` jumps, up to round-off.
+    """Whether the second derivative's jumps `found` equal the `wanted` ones, up to round-off.
 
     length: lengths of the pieces; size: size of the values from which the jumps were found.
     """
@@ -152,7 +152,7 @@ class QuadraticSpline(Kept):
     def inside(
         cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
     ) -> "tuple[QuadraticSpline, Array, Array] | None":
-        """Spline that replaces most jumps of f'', and the remaining jumps; None if none fits.
+        """Spline that replaces most jumps of f'', and the jumps that remain.
         The result is (spline, remaining jumps, empty table of added jumps). It is None if f does
         not have the given `jumps`.
 
@@ -210,7 +210,7 @@ class QuadraticSpline(Kept):
 
     @property
     def edge_slopes(self) -> tuple[float, float]:
-        """Derivatives by the angle at the zone's ends: zero, since the spline is zero there."""
+        """Derivatives by theta at the zone's ends: zero, since the spline is zero there."""
         return 0.0, 0.0
 
     @property
@@ -426,7 +426,7 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
-        """Derivatives of the density, at each end, by the angle from this end: (left, right)."""
+        """Derivatives of the density by the angle from each end, at (left end, right end)."""
         phi, weight = self._nodes
         left, right = (float((weight / side).sum() / np.pi) for side in sides(phi))
         return left, -right

@@ -84,8 +84,8 @@ class ManyState(SecondKindState):
         errors = self._row_errors * signs
         unit = float(np.abs(errors).max(initial=0.0)) or 1.0
         rights = [self.solver.projected(one / unit) for one in errors]
-        # The solver's tolerance limits a norm over all zones. With the square root of the number of
-        # zones as a factor, the tolerance of each zone is `ERRORS.negligible`.
+        # The solver's tolerance limits a norm over all zones. Multiplied by the square root of the
+        # number of zones, it allows the error `ERRORS.negligible` on each zone.
         tolerance = ERRORS.negligible * np.sqrt(len(self.density.zones))
         changes = [unit * self.solver(one, tolerance) for one in rights]
         out = np.array([self.system.layout.padded(one) for one in changes])

@@ -60,6 +60,7 @@ def _stands_alone(state: Solved) -> bool:
 
 def _of_others(state: Solved) -> Array | float:
     """Error of each zone's intensities K (Z,) caused by the round-off of jumps in other zones.
+    K is the coefficient of 1 / sqrt(distance) in the density close to an end.
 
     It is sampled by the field of one random density of that size. It matters for narrow zones next
     to a wide one with many knots, since the terms of these are much larger than their sum.

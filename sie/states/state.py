@@ -152,7 +152,7 @@ class State(Solved):
 
     @cached_property
     def residual_rounding(self) -> Array:
-        """Round-off of the residual on each zone (Z,)."""
+        """Round-off of the residual of the equation on each zone (Z,)."""
         return 2e-15 * self.zone_sizes + self.jumps_rounding
 
     @cached_property
@@ -211,7 +211,7 @@ class State(Solved):
 
     @cached_property
     def _missing_fields(self) -> Array:
-        """Sum of the neglected coefficients of the other zones' fields on each zone (Z,).
+        """Sum of the neglected Chebyshev coefficients of other zones' fields on each zone (Z,).
 
         They are the coefficients beyond the coupled modes.
 
@@ -226,7 +226,7 @@ class State(Solved):
 
     @cached_property
     def _falls(self) -> Array:
-        """Ratio of successive coefficients of the other zones' field on each zone (Z,)."""
+        """Ratio of successive Chebyshev coefficients of other zones' fields, on each zone (Z,)."""
         return np.exp(-modes.decay(self.density.zones, self.density.kernel))
 
     @cached_property
@@ -316,7 +316,9 @@ class State(Solved):
         )
 
     def _residuals_at(self, solved: Index, theta: Array) -> Array:
-        """Residual times sqrt(1 - t^2) on the zones `solved` (n,) at angles `theta` (n, points)."""
+        """Residual of the equation times sqrt(1 - t^2), on zones `solved` (n,) at angles `theta`.
+        theta has the shape (n, points).
+        """
         system, zones = self.system, self.density.zones
         t = np.cos(theta)
         x = (zones.middle[solved][:, None] + zones.half[solved][:, None] * t).ravel()

@@ -54,7 +54,8 @@ class Nested:
 
     @cached_property
     def _place(self) -> tuple[Array, Array]:
-        """(alpha, beta) of each node: its interval is alpha + beta s in its parent's variable.
+        """(alpha, beta) of each node: its interval is alpha + beta s, |s| <= 1, seen by its parent.
+        alpha + beta s is the parent's variable, which runs from -1 to 1 on the parent.
 
         The variable s of a node runs from -1 to 1 on its hull.
         """
@@ -107,7 +108,7 @@ class Nested:
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        """Slices of nodes, each within one level of the tree.
+        """Slices of the tree's nodes, each within one level of the tree (nodes of equal depth).
 
         A slice is the whole level if the matrices are stored, and else at most `SUMS.cache_pairs`
         nodes.
