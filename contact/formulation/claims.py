@@ -29,7 +29,7 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class ClaimOptions:
-    """Options for the check of a profile.
+    """Options for the check of a profile's declared properties against its heights.
 
     With any value doubled or halved, the check finds the same errors.
 
@@ -87,7 +87,8 @@ def of(profile: Profile, zones: Array | None = None) -> Claims:
 
 
 def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | None:
-    """The interval to check [m]; None for an unbounded profile without given zones.
+    """Interval [m] in which the profile is checked.
+    It is None for an unbounded profile if no zones are given.
 
     An interval around given zones is rounded outward, so that similar zones have the same interval.
     """
@@ -174,7 +175,7 @@ def _rules(count: int) -> tuple[Array, Array]:
 
 
 def _rounding(heights: Array, steepness: Array) -> Array:
-    """Round-off of the heights of each panel: of the largest one, plus four times their noise.
+    """Round-off of the heights in each panel: of the largest height, plus four times the noise.
 
     Rows of `heights` (8, n) are seven places at the first end of a panel, and the second end. Rows
     of `steepness` (2, n) are |f'| next to the first end, and its largest value. Noise is relative
@@ -192,13 +193,14 @@ def _rounding(heights: Array, steepness: Array) -> Array:
 
 
 def _with_neighbours(values: Array) -> Array:
-    """A row for each of the `values`: the value with the two before it and the two after it."""
+    """Array (n, 5): for each value a row of the two before it, the value, and the two after it."""
     return np.lib.stride_tricks.sliding_window_view(np.pad(values, 2, mode="edge"), 5)
 
 
 @record
 class _Panels:
-    """Panels from `a` to `b` (n,): rise of the height and integral of the slope on each panel.
+    """Intervals (panels) from `a` to `b` (n,), with the change of the height over each panel.
+    This rise is compared with the integral of the slope over the panel.
 
     size: integral of |f'|. quadrature: error of the integral by Gauss's rule. rounding: round-off
     of rise and integral. steepest: largest |f'|. heights: at both ends (2, n). noise: rounding of
@@ -244,12 +246,12 @@ class _Panels:
 
     @property
     def doubt(self) -> Array:
-        """Largest difference between rise and integral that errors of both may cause."""
+        """Largest difference of a panel's rise and slope integral that errors of both may cause."""
         return OPTIONS.margin * (self.quadrature + self.rounding)
 
     @property
     def largest(self) -> float:
-        """The largest absolute slope at the nodes of the panels."""
+        """The largest absolute slope at the quadrature nodes of all panels."""
         return float(self.steepest.max(initial=0.0))
 
     @property
@@ -274,9 +276,10 @@ def _mismatch(profile: Profile, panels: _Panels, least: float) -> tuple[float, s
     difference, size, noise = (
         of.reshape(-1, count).T for of in (parts.difference, parts.size, parts.noise)
     )
-    # Near an undeclared corner, the quadrature fails on one or two of the `count` parts of a panel.
-    # So the two parts with the largest difference are left out. If the slope is wrong, other parts
-    # differ, too. Each part left out adds the noise of two heights to the sum of the rest.
+    # On each of the `count` parts of a panel, the rise of the height is compared with the integral
+    # of the slope. Near an undeclared corner, the quadrature fails on one or two parts. So the two
+    # parts with the largest difference are left out. If the slope is wrong, other parts differ,
+    # too. Each part left out adds the noise of two heights to the sum over the other parts.
     rest = np.argsort(np.abs(difference), axis=0)[:-2]
     difference, size = (
         np.take_along_axis(of, rest, axis=0).sum(axis=0) for of in (difference, size)
@@ -301,7 +304,7 @@ def _mismatch(profile: Profile, panels: _Panels, least: float) -> tuple[float, s
 
 
 def _common_mismatch(profile: Profile, panels: _Panels, least: float) -> tuple[float, str]:
-    """Relative error of the slope that is the same on all panels, and a message; else (0, "").
+    """Relative error of the slope common to all panels, and a message; (0, "") if there is none.
 
     Many panels together show a false factor that the rounding of heights hides on each of them. The
     factor is fitted by least squares, weighted by the errors of the panels. Panels that differ from
@@ -318,8 +321,8 @@ def _common_mismatch(profile: Profile, panels: _Panels, least: float) -> tuple[f
     weight = np.where(usable, weight, 0.0)
     total = float(weight @ rise**2)
     factor = float(weight @ (rise * panels.difference)) / total if total > 0 else 0.0
-    # The rounding of a panel is at least four standard deviations of its rise. So this bound is at
-    # least four standard deviations of the fitted factor.
+    # The rounding error of a panel is at least four standard deviations of the height's rise over
+    # the panel. So `1 / np.sqrt(total)` is at least four standard deviations of the fitted factor.
     if not abs(factor) > 1 / np.sqrt(total):
         return 0.0, ""
     return abs(factor), (
@@ -338,7 +341,8 @@ def _kink_fault(profile: Profile, panels: _Panels) -> str:
     kinks = np.asarray(profile.kinks, dtype=np.float64)
     if profile.slope_is_derived or len(kinks) == 0:
         return ""
-    # Several kinks at the same place of the cell are replaced by one, with the sum of their jumps.
+    # Several kinks at the same place of the period are replaced by one kink with the sum of their
+    # jumps.
     at, which = np.unique(np.asarray(profile.wrap(kinks[:, 0])), return_inverse=True)
     kinks = np.column_stack((at, np.bincount(which, kinks[:, 1])))
     kinks = kinks[:: max(1, len(kinks) // OPTIONS.panels)]
@@ -393,7 +397,7 @@ def _period_fault(profile: Profile, panels: _Panels) -> str:
 
 
 def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, y: Array) -> str:
-    """Message on the pair of heights, at x and y, that differs most; "" if all pairs agree."""
+    """Message on the heights at x[i] and y[i] that differ most; "" if all pairs agree."""
     places = 8 * EPS * (np.abs(x) + np.abs(y)) * panels.largest
     error = np.abs(here - there) - OPTIONS.margin * (float(panels.noise.max()) + places)
     # Heights are infinite beyond a sharp corner of the profile. Such places are not compared.
@@ -406,7 +410,7 @@ def _differ(x: Array, here: Array, there: Array, panels: _Panels, message: str, 
 
 
 def _summit_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> str:
-    """Message on a place lower than all declared summits; "" if there is none."""
+    """Message on a place where the profile is lower than at all declared summits; "" if none."""
     if profile.summits is None:
         return ""
     tips = np.asarray(profile.summits, dtype=np.float64)

@@ -42,18 +42,21 @@ class ContinuedSlope(sie.Kept):
 
     @property
     def error(self) -> float:
-        """Estimate of the largest error of R."""
+        """Estimate of the largest error of R, the transform of the profile's slope."""
         return sum(body.parts.error for body in self.bodies.values())
 
     def __call__(self, x: Array, y: Array) -> Pair:
-        """R [1] and R' [1/m] at points x + iy [m], y >= 0, with x and y of one shape."""
+        """Transform R [1] of the slope and its derivative R' [1/m] at points x + iy [m].
+        y must not be negative, and x and y have the same shape.
+        """
         shape, x, y = x.shape, x.ravel(), y.ravel()
         value, slope = np.zeros(len(x), dtype=complex), np.zeros(len(x), dtype=complex)
         facing = self.profile.facing(x) if "" not in self.bodies else {"": x}
         for place, at in facing.items():
             one, its_slope = self.bodies[place](np.asarray(at), y)
             if self._is_mirrored(place):
-                # If the slope g has the transform R(z), -g(-x) has conj(R(-conj(z))).
+                # A mirrored body has the slope -g(-x). If g has the transform R(z), -g(-x) has the
+                # transform conj(R(-conj(z))).
                 one, its_slope = np.conj(one), -np.conj(its_slope)
             value, slope = value + one, slope + its_slope
         return value.reshape(shape), slope.reshape(shape)
@@ -63,7 +66,7 @@ class ContinuedSlope(sie.Kept):
 
 
 class _OneBody(sie.Kept):
-    """The transform of the slope of one profile."""
+    """The transform R(z) of the slope of a single periodic profile, and its derivative."""
 
     def __init__(self, profile: Profile) -> None:
         assert profile.period is not None
@@ -82,7 +85,7 @@ class _OneBody(sie.Kept):
         return sum(values[1:], values[0]), sum(slopes[1:], slopes[0])
 
     def _exponents(self, x: Array, y: Array, at: Array | float) -> Complex:
-        """2 pi i (z - s)/L at z = x + iy, where s is the image of `at` that is nearest to x."""
+        """Exponents 2 pi i (z - s)/L at z = x + iy; s is the periodic image of `at` nearest to x."""
         turns = (x - at) / self.length
         return np.asarray(2 * pi * (1j * (turns - np.round(turns)) - y / self.length))
 
@@ -129,7 +132,7 @@ class _OneBody(sie.Kept):
 
 
 def polylogarithms(exponent: Complex) -> Pair:
-    """Li_3(w) and Li_2(w) at w = exp(-u), u with Re u >= 0 and |Im u| <= pi.
+    """The polylogarithms Li_3(w) and Li_2(w) at w = exp(-u), with Re u >= 0 and |Im u| <= pi.
 
     For |u| >= 1.25 pi, |w| is below 0.1, and the sum of w^k/k^n converges fast. Below that, series
     in u are used, which converge for |u| < 2 pi:
@@ -149,11 +152,11 @@ def polylogarithms(exponent: Complex) -> Pair:
 
 
 def _near_one(u: Complex) -> Pair:
-    """Li_3 and Li_2 of exp(-u) by their series in u, |u| < 1.25 pi."""
+    """The polylogarithms Li_3 and Li_2 of exp(-u), by their series in u for |u| < 1.25 pi."""
     with np.errstate(divide="ignore", invalid="ignore"):
         log = np.where(u == 0, 0.0, np.log(np.where(u == 0, 1.0, u)))
-    # After the term with zeta(0) = -1/2, only zeta at negative odd integers gives terms: zeta is 0
-    # at negative even integers.
+    # In both series, zeta is 0 at negative even integers. So after the term with zeta(0) = -1/2,
+    # only terms with zeta at negative odd integers are left.
     third = 0.5 * u * u * (1.5 - log) + zeta(3) - zeta(2) * u
     second = -u * (1.0 - log) + zeta(2)
     third_terms, second_terms = _zeta_terms()
@@ -167,7 +170,8 @@ def _near_one(u: Complex) -> Pair:
 
 
 def _zeta_terms(terms: int = 40) -> tuple[list[float], list[float]]:
-    """zeta(1 - 2m)/(2m + 2)! and -zeta(1 - 2m)/(2m + 1)! for m = 1, 2, ...
+    """Coefficients of the series of Li_3 and Li_2 (polylogarithms), m = 1, 2, ..., `terms`.
+    They are zeta(1 - 2m)/(2m + 2)! for Li_3 and -zeta(1 - 2m)/(2m + 1)! for Li_2.
 
     |zeta(1 - 2m)| = 2 (2m - 1)! zeta(2m) / (2 pi)^2m, with the sign (-1)^m (DLMF 25.4.1).
     """

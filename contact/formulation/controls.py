@@ -35,7 +35,7 @@ Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
 
 @dataclass(frozen=True)
 class Control:
-    """A controlled quantity with its given value, in scaled variables.
+    """A controlled quantity, such as the load, with its given value in scaled variables.
 
     Of the members `load`, `approach`, `half_width` and `width`, the controlled one is the value,
     the others are None.
@@ -69,13 +69,13 @@ class Control:
         return self._if(Quantity.WIDTH)
 
     def conditions(self) -> Conditions:
-        """Side conditions on the pressure and on the ends of the zones."""
+        """Side conditions on the pressure and on the zones' ends, if the pressure is the unknown."""
         raise NotImplementedError
 
     def gap_conditions(
         self, period: float, mean_height: Callable[[], float], compression: float
     ) -> Conditions:
-        """Side conditions on the slope of the gap and on the ends of the gaps.
+        """Side conditions on the gap's slope and on the gaps' ends, if this slope is the unknown.
 
         The amplitude of column 0 is the mean pressure. mean_height: mean of the profile above its
         lowest place. compression: mean displacement for a unit of mean pressure.
@@ -83,7 +83,7 @@ class Control:
         raise NotImplementedError
 
     def unit(self, units: Units) -> float:
-        """The control's value in SI units for a scaled `value` of 1."""
+        """The value in SI units of the controlled quantity if its scaled value is 1."""
         return float(getattr(units, self.counted_in))
 
     def described(self, units: Units) -> str:
@@ -175,7 +175,7 @@ class Width(Control):
 
 @dataclass(frozen=True)
 class _SpringLevel(sie.Condition):
-    """The condition that approach plus `give` times the load is -`value` at every zone."""
+    """Condition of loading by a spring: at every zone, approach + `give` * load = -`value`."""
 
     value: float
     give: float
@@ -197,7 +197,7 @@ class _SpringLevel(sie.Condition):
 
 @dataclass(frozen=True)
 class _MeanGap(sie.Condition):
-    """Prescribes the value of `depth` times the mean pressure, minus the integral of all gaps."""
+    """Condition that prescribes `depth` times the mean pressure minus the integral of all gaps."""
 
     opened: sie.ZoneMoments
     depth: float
@@ -217,7 +217,7 @@ _KINDS: dict[Quantity, type[Control]] = {
 
 
 def scaled_control(scene: Scene, units: Units) -> Control:
-    """The control of the scene in scaled variables."""
+    """The scene's control (the controlled quantity and its value) in scaled variables."""
     held = scene.control_object.held(scene)
     assert held is not None
     kind, value = _KINDS[held.quantity], held.value

@@ -21,7 +21,8 @@ from sie import Array, wrapped
 
 
 def elastic_energy(fields: Fields) -> float | None:
-    """Elastic energy [J/m], half of int pressure * displacement dx; None without an approach.
+    """Elastic energy [J/m]: half of int pressure * displacement dx.
+    It is None if the approach is undefined.
 
     The energy is taken per period if there is one. It is also None for the strip of a localized
     model, which is only a part of the body.
@@ -92,7 +93,8 @@ def _shape_moment_of_period(fields: FullFields) -> float:
 def _integral(
     function: Callable[[Array], Array], cuts: Array, smooth: bool, max_nodes: int = 2**17
 ) -> float:
-    """Integral from the first to the last cut; the number of nodes doubles until convergence.
+    """Integral of `function` from the first to the last cut.
+    The number of nodes doubles until the integral converges.
 
     smooth: the function is smooth and periodic, so that evenly spaced nodes are best.
     """

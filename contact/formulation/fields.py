@@ -25,7 +25,7 @@ from sie import Array, Complex, Index, Mask, nearest_image, record, wrapped
 
 @dataclass(frozen=True)
 class FieldOptions:
-    """Options for sampling a contact's fields, and the tolerance of their rates."""
+    """Options for sampling the pressure and the gap, and the tolerance of their derivatives."""
 
     peak_zones: int = 16  # zones in which the largest pressure is located between samples
     # Distance from the zones, divided by their total span, up to which the gap is sampled closely.
@@ -38,7 +38,7 @@ OPTIONS = FieldOptions()
 
 
 class NoPlateaus:
-    """Members of `Fields` of contacts whose pressure has reached no limit anywhere."""
+    """Members of `Fields` for contacts in which the pressure is nowhere at the law's limit."""
 
     plateaus = np.zeros((0, 2))
 
@@ -76,7 +76,8 @@ def moved_ends(
     response: sie.AnyDensity | None = None,
     tolerance: float = 0.0,
 ) -> Array:
-    """Outward motions (2, Z) of ends per unit of a side condition's value; 0 for fixed ends.
+    """Derivatives (2, Z) of the zones' ends, outward, by the value of a side condition.
+    They are 0 for fixed ends.
 
     A motion is 2 K / A, with the intensity K of the response and the edge slope A, as in a Newton
     step. For ends of prescribed intensity it follows from their rates. response: the
@@ -91,7 +92,7 @@ def moved_ends(
 
 
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
-    """Derivatives (2, Z) of the ends' outward motions by c, for the density `on` + c `density`.
+    """Derivatives (2, Z) of the ends, outward, by c at c = 0, for density `on` + c `density`.
 
     The derivative for an end is 2 K / A, with the intensity K of `density` and the edge slope A of
     `on`. With kappa the factor is not 2 (`sie.basis.weight`). For a fixed end the derivative is 0.
@@ -103,7 +104,9 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
 
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
-    """The solution on given zones if the nominal pressure outside the strip is 1."""
+    """Solution on given zones for zero load and the nominal pressure 1 outside the strip.
+    The strip is the period that the localized model solves.
+    """
     equation = sie.Equation(
         problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential())
     )
@@ -155,7 +158,9 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return levels - self._shift(self.density) if self.problem.kappa else levels
 
     def _shift(self, density: sie.AnyDensity) -> float:
-        """Constant c of the displacement under a density, see `contact.formulation.mismatch`."""
+        """Constant c of the displacement under the pressure `density`, for sliding bodies.
+        The formula is in `contact.formulation.mismatch`.
+        """
         problem = self.problem
         shift: float = require(MISMATCH).shift(
             problem.kappa, problem.period, density.total, density.moment()
@@ -168,14 +173,14 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @property
     def approach(self) -> float | None:
-        """Approach [m]; None if the displacement of the body has no datum."""
+        """Approach [m]; None if no point is given from which displacements are measured."""
         if not self.problem.operator.has_approach:
             return None
         return -self.level * self.problem.units.height
 
     @cached_property
     def stiffness(self) -> float | None:
-        """Derivative of load by approach [N/m^2]; None if the approach is None.
+        """Derivative of the load by the approach [N/m^2]; None if the approach is undefined.
 
         The given tilt or moment stays constant.
 
@@ -212,7 +217,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @property
     def bending(self) -> float:
-        """Largest end intensity of a single coefficient, divided by the prescribed intensity.
+        """Largest end intensity that one coefficient causes, divided by the prescribed intensity.
 
         Each coefficient of the pressure's series alone causes an intensity at the ends of its zone.
         """
@@ -223,7 +228,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         ) / abs(wanted)
 
     def second_variation(self, yields: float | None = None) -> Array:
-        """Scaled second derivatives (2 Z, 2 Z) of the energy by outward motions of all free ends.
+        """Scaled Hessian (2 Z, 2 Z) of the energy by outward displacements of all free zone ends.
 
         Row i, column j is dG_i/ds_j / (2 w) times the square roots of both zones' widths. Here G =
         w (K/K*)^2 is the energy release rate at end i, with the work of adhesion w, the intensity K
@@ -297,7 +302,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return self.density.locate(x)[2]
 
     def scaled_gap(self, x: Array) -> Array:
-        """The scaled gap; exactly zero on the zones.
+        """The scaled gap at scaled places x; exactly zero on the zones.
 
         Between the zones, it is F - V + lambda C + level. F is the scaled profile, V the potential
         of the pressure, and lambda C the additional terms C with their amplitudes lambda.
@@ -305,7 +310,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return np.where(self.inside(x), 0.0, self.formal_gap(x))
 
     def formal_gap(self, x: Array) -> Array:
-        """The formula of `scaled_gap` for the gaps, evaluated on the zones as well.
+        """Formula of the scaled gap outside the zones, evaluated at all x, in the zones as well.
 
         On the zones, where the gap is zero, the values of this formula show its error.
         """
@@ -319,7 +324,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return np.asarray(self.density(x))
 
     def standing_shape(self, x: Array) -> Array:
-        """The scaled profile F, turned by the given tilt or by the solved tilt."""
+        """The scaled profile F at scaled places x, turned by the given tilt or by the solved tilt."""
         shape = self.problem.shape(x)
         return (
             shape
@@ -332,7 +337,9 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return float(self.density.amplitudes[-1])
 
     def _relative_displacement(self, x: Array) -> Array:
-        """Scaled displacement up to a constant: `unknown_columns` minus the pressure's potential.
+        """Scaled displacement at scaled places x, up to a constant.
+        It is the sum of the terms of unknown amplitude (`unknown_columns`), minus the pressure's
+        potential.
 
         Each column is multiplied by its solved amplitude.
         """
@@ -340,13 +347,15 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return raised + self._sheared(x, self.density) if self.problem.kappa else raised
 
     def _sheared(self, x: Array, density: sie.AnyDensity) -> Array:
-        """Scaled displacement by shear, without the mean pressure's column (`_with_columns`)."""
+        """Scaled displacement by shear, without the part that grows with the mean pressure.
+        `_with_columns` adds this part.
+        """
         place, zone, inside = density.locate(x)
         totals, passed = density.totals, place > density.zones.b[zone]
         before = (np.cumsum(totals) - totals)[zone] + np.where(passed, totals[zone], 0.0)
         before = np.where(inside, before + density.integral(x), before)
-        # The column of the mean pressure is linear in x. So the pressure is integrated up to x, and
-        # not only up to the image `place` of x in the period.
+        # The term lambda x of the mean pressure is linear in x and does not repeat. So the pressure
+        # is integrated up to x, and not only up to the image `place` of x in the period.
         if self.problem.period is not None:
             before = before + np.round((x - place) / self.problem.period) * density.total
         return np.asarray(self._shift(density) - self.problem.kappa * before)
@@ -413,7 +422,8 @@ class ZoneFields(NoPlateaus, sie.Kept):
             yield float(right), float(left), True, True
         first, last = float(zones.a[0]), float(zones.b[-1])
         if problem.interaction.strip:
-            # Only the gap within the strip of the localized model counts.
+            # The localized model solves one period, the strip. Only the gap within the strip
+            # counts.
             lo, hi = (
                 problem.centre - 0.5 * problem.repeat_length,
                 problem.centre + 0.5 * problem.repeat_length,
@@ -436,7 +446,9 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @property
     def _limits(self) -> tuple[float, float]:
-        """Scaled limits of the zones: ends of the known profile or sharp corners; else infinite."""
+        """Scaled left and right limit for zones: an end of the known profile or a sharp corner.
+        A limit is infinite on a side without an end or corner.
+        """
         problem = self.problem
         return max(problem.borders[0], problem.corners[0]), min(
             problem.borders[1], problem.corners[1]
@@ -447,7 +459,9 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return self.problem.period is not None or bool(np.all(np.isfinite(self._limits)))
 
     def far_stretches(self) -> Iterator[Array]:
-        """Yield scaled, logarithmically spaced places on half-lines, beyond `open_intervals`."""
+        """Yield scaled, logarithmically spaced places left and right of all `open_intervals`.
+        There are none if the profile has a period, or ends on both sides.
+        """
         if self.is_bounded:
             return
         zones, (lo, hi) = self.density.zones, self._limits
@@ -491,7 +505,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return moved_ends(self.state).T * self.problem.units.length * self.density.total
 
     def rates(self, x: Array, tolerance: float = OPTIONS.guess_tolerance) -> tuple[Array, Array]:
-        """Scaled derivatives by ln(load) of the ends, outward (n, 2), and of the gap at x.
+        """Scaled derivatives by ln(load): of the zones' ends, outward (n, 2), and of the gap at x.
 
         tolerance: of the response, if an iteration finds it; the default serves a first guess.
         """
@@ -579,7 +593,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @cached_property
     def _sampled(self) -> tuple[Array, float]:
-        """(bound (Z,) of the scaled pressure on each zone by samples, highest sample of all)."""
+        """Upper bounds (Z,) of the scaled pressure on zones by samples, and the highest sample."""
         density = self.density
         counts, reach, peak = density.sampling, np.empty(len(density.zones)), -np.inf
         for n in np.unique(counts):
@@ -591,7 +605,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @property
     def pressure_bound(self) -> float:
-        """Bound of the pressure [Pa] from the density's series; from samples if there are jumps."""
+        """Upper bound of the pressure [Pa] from its series, or from samples if the pressure jumps."""
         if self._is_infinite:
             return math.inf
         bound = self.density.upper_bound

@@ -30,7 +30,8 @@ from sie import Array, Complex, record
 
 
 class FullLimit(sie.Kept):
-    """Onset of full contact. `pressure`: mean pressure [Pa] at the onset, inf without an onset.
+    """Onset of full contact of a periodic profile.
+    `pressure`: mean pressure [Pa] at the onset, inf without an onset.
 
     approached: whether contact under growing loads tends to full contact; it does over concave
     kinks, but not between sharp corners. is_known: whether the model gives the pressure of full
@@ -55,7 +56,7 @@ class FullLimit(sie.Kept):
 
     @property
     def error(self) -> float:
-        """Error of the mean pressure [Pa] at the onset, due to the error of the relief."""
+        """Error of the onset's mean pressure [Pa], due to the error of the slope's transform R."""
         return 0.5 * self.E_star * self.relief.error
 
     @cached_property
@@ -85,7 +86,8 @@ class FullLimit(sie.Kept):
             nearest = around[np.searchsorted(0.5 * (around[1:] + around[:-1]), x)]
             return relief(np.where(np.abs(x - nearest) < least, nearest + least, x))
 
-        # The relief has an infinitely narrow peak at a concave kink, which the samples may miss.
+        # At a concave kink, the transform R of the slope (`relief`) has an infinitely narrow peak,
+        # which the samples may miss.
         return (
             0.5
             * self.E_star
@@ -147,8 +149,8 @@ class FullFields(NoZones):
         return np.asarray(self.mean_pressure - 0.5 * self.problem.units.E_star * slope)
 
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
-        # On the surface, the pressure is p = Re(`mean_pressure` - `half` * `value`). The returned
-        # transform F has Im F = -p there.
+        # On the surface, the pressure is p = Re(`mean_pressure` - `half` * `value`), with `value`
+        # the transform of the profile's slope. The returned transform F of p has Im F = -p there.
         value, slope = self._slope_inside(x, y)
         half = 0.5 * self.problem.units.E_star * self.problem.skew
         return -1j * (self.mean_pressure - half * value), 1j * half * slope

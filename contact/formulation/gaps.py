@@ -104,12 +104,12 @@ class GapFields(NoPlateaus, sie.Kept):
         return np.asarray(self.mean - self.relief(x) + self._by_gaps(self.gap_slope.transform(x)))
 
     def _by_gaps(self, value: Array) -> Array:
-        """Part G s of the pressure, from `value` = T s; see contact.formulation.mismatch."""
+        """Scaled pressure that the gaps add, from `value`, the transform of the slope of the gap."""
         kappa = self.problem.kappa
         return value / (1 + kappa**2) if kappa else value
 
     def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
-        """Scaled pressure in zones, at places given by their distances from both zone ends.
+        """Scaled pressure in zones, at distances from both ends that are divided by the half width.
 
         The distances are divided by the half width of the zone.
         """
@@ -117,18 +117,21 @@ class GapFields(NoPlateaus, sie.Kept):
         half = 0.5 * (b - a)
         x = np.where(left <= right, a + half * left, b - half * right)
         # Near an end, the pressure is proportional to the square root of the distance from the end.
-        # The pressure at the rounded x belongs to the distance `kept`. The factor corrects it to
-        # the exact distance `nearer`.
+        # The rounded x has the distance `kept`, and the exact distance is `nearer`. The square root
+        # of `ratio` corrects the pressure at x.
         nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
         ratio = nearer / np.where(kept > 0, kept, np.inf)
         if not self.problem.kappa:
             return np.asarray(self.bearing(x) * np.sqrt(ratio))
-        # With kappa, the exponents at both ends differ. A zone's left end is a gap's right end.
+        # With kappa (bodies that slide and differ elastically), the pressure has different
+        # exponents at the two ends of a zone. The left end of a zone is the right end of a gap.
         at_right, at_left = 1 - self.gap_slope.zones.weight.exponent[:, 0]
         return np.asarray(self.bearing(x) * ratio ** np.where(left <= right, at_left, at_right))
 
     def bounded_weight(self, left: Array, right: Array) -> Array:
-        """The factor sqrt(1 - t^2) of the pressure near zone ends; with kappa, other exponents."""
+        """Factor of the pressure that vanishes at both ends of a zone: sqrt(1 - t^2), |t| <= 1.
+        With kappa (bodies that slide and differ elastically), the exponents are not 1/2.
+        """
         if not self.problem.kappa:
             return np.asarray(np.sqrt(left * right))
         at_right, at_left = 1 - self.gap_slope.zones.weight.exponent[:, 0]
@@ -145,7 +148,7 @@ class GapFields(NoPlateaus, sie.Kept):
         return self._of_zones(moved_ends(self.state)) * self.problem.units.length
 
     def _of_zones(self, rates: Array) -> Array:
-        """Derivatives of the zone ends by ln(load), outward (n, 2), from those of the gap ends.
+        """Derivatives of zone ends by ln(load), outward (n, 2), from derivatives of the gap ends.
 
         rates: derivatives of the gap ends by the mean pressure, outward (2, n). The left end of a
         gap is the right end of the zone before it.
@@ -153,7 +156,7 @@ class GapFields(NoPlateaus, sie.Kept):
         return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
 
     def rates(self, x: Array, tolerance: float = OPTIONS.guess_tolerance) -> tuple[Array, Array]:
-        """Scaled derivatives by ln(load) of the zone ends, outward (n, 2), and of the gap at x.
+        """Scaled derivatives by ln(load): of the zones' ends, outward (n, 2), and of the gap at x.
 
         tolerance: of the response, if an iteration finds it; the default serves a first guess.
         """
@@ -187,8 +190,8 @@ class GapFields(NoPlateaus, sie.Kept):
         return np.where(np.abs(t) == 1, 0.0, value) * self.problem.units.pressure
 
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
-        # On the surface, the pressure is the real part of mean - skew (R - S). R is the relief, and
-        # S the transform of the gap's slope.
+        # On the surface, the pressure is the real part of mean - skew (R - S). R is the transform
+        # of the profile's slope, and S the transform of the gap's slope.
         units = self.problem.units
         relief, bend = self._slope_inside(x, y)
         z = units.scaled(x) + 1j * (y / units.length)

@@ -75,7 +75,7 @@ def height_rounding(problem: Problem, table: Array) -> str:
 
 
 def _differences(problem: Problem, middle: float, half: float) -> tuple[float, float, float]:
-    """Compare the height's rise with the slope's integral on each part of an interval; scaled.
+    """Median of |rise of the height - integral of the slope| over the parts of an interval.
 
     Returns the median of the absolute differences, then the range of the cumulated integrals and
     the range of the cumulated differences. All are 0 if a value is not finite.

@@ -36,18 +36,18 @@ def _same(x: Array) -> Array:
     return np.asarray(x, dtype=float)
 
 
-# The function that the unknown amplitude lambda multiplies: the constant 1, with the primitive x.
+# Term of the right side with the unknown amplitude lambda: the constant 1, with the primitive x.
 MEAN = sie.Forcing(np.ones_like, _same, resolution=sie.Resolution(modes=1))
 
 
 def shift(kappa: float, period: float | None, total: float, moment: float) -> float:
-    """The constant c of the displacement u, from P = `total` and M = `moment` (file head)."""
+    """The constant c of the displacement u, from load P = `total` and moment M = `moment`."""
     return kappa * (0.5 * total - (0.0 if period is None else moment / period))
 
 
 @dataclass(frozen=True)
 class MeanLevel(sie.Condition):
-    """The condition that every zone has the level `value`, which is minus the approach.
+    """The condition that the level of every zone is `value`, which is minus the approach.
 
     The level is that of `sie.Level`, V - F - lambda x + kappa Q, minus the constant c.
     """
@@ -74,7 +74,7 @@ class MeanLevel(sie.Condition):
 
 @record
 class SlidingRelief(Relief):
-    """The relief R of sliding: in full contact p = mean pressure - (E*/2) R."""
+    """Function R for sliding bodies (kappa): in full contact p = mean pressure - (E*/2) R."""
 
     kappa: float
 
@@ -84,7 +84,7 @@ class SlidingRelief(Relief):
 
     @cached_property
     def kinks(self) -> Array:  # type: ignore[override]
-        """Places of kinks, and the factors of their logarithms in R (k, 2)."""
+        """Places of the profile's kinks, and the factors of the logarithms there in R (k, 2)."""
         return np.asarray(self._plain.kinks * [1.0, self.kink_factor])
 
     @property
@@ -109,7 +109,7 @@ def gap_equation(
     conditions: tuple[sie.Condition, ...],
     ends: tuple[sie.TotalWidth, ...],
 ) -> sie.Equation:
-    """The equation for the slope of the gap; the amplitude of its column is the mean pressure."""
+    """Integral equation for the slope of the gap; its unknown amplitude is the mean pressure."""
     kappa = problem.kappa
     factor = 1 + kappa**2
     tips = sie.Jumps(singular_at=problem.forcing.kinks[0])

@@ -111,13 +111,15 @@ class Problem(sie.Kept):
 
     @property
     def cut(self) -> tuple[float, float]:
-        """Scaled borders of the cell around `centre`."""
+        """Scaled borders of the cell, which is the period of the profile around `centre`."""
         assert self.cell is not None
         return self.centre - 0.5 * self.cell, self.centre + 0.5 * self.cell
 
     @property
     def round(self) -> float | None:
-        """Scaled period if zones may cross the border of the cell (no sharp corners); else None."""
+        """Scaled period if zones may cross the border of the cell.
+        It is None if the profile has sharp corners or no period.
+        """
         return self.period if self.corners == (-np.inf, np.inf) else None
 
     @cached_property
@@ -165,8 +167,8 @@ class Problem(sie.Kept):
             ),
         )
         # With a given amplitude, the displacement by the pressure outside the strip is part of the
-        # right side. Near the border of the strip it varies over arbitrarily short lengths. So no
-        # shortest length is stated.
+        # right side. Near the border of the strip this displacement varies over arbitrarily short
+        # lengths. So no shortest length is stated.
         if not self.amplitude:
             return whole
         return replace(
@@ -196,7 +198,7 @@ class Problem(sie.Kept):
         return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:
-        """Scaled slope of the profile, plus the additional column if its amplitude is given.
+        """Scaled slope of the profile, plus the slope by a given pressure outside the strip.
 
         A given column belongs to the right side, which may take as many modes as it needs near the
         border of a strip. Unknown columns are coupled to all zones and are truncated earlier.
@@ -208,7 +210,9 @@ class Problem(sie.Kept):
         return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
 
     def shape(self, x: Array) -> Array:
-        """Scaled profile F = (f - min f) / unit of height; plus `raised`, given an `amplitude`."""
+        """Scaled profile F = (f - min f) / unit of height, plus the displacement `raised` if any.
+        The displacement is that by a given pressure outside the localized model's strip.
+        """
         shape = self._profile_shape(x)
         return shape + self.raised(x) if self.amplitude else shape
 
@@ -251,7 +255,7 @@ class Problem(sie.Kept):
 
     @property
     def unknown_columns(self) -> tuple[sie.Forcing, ...]:
-        """Additional columns of the equation whose amplitudes are unknown."""
+        """Terms of the right side of the equation whose amplitudes are unknown."""
         columns = self.columns if self.amplitude is None else ()
         if not self.kappa or self.period is None:
             return columns
@@ -275,7 +279,8 @@ class Problem(sie.Kept):
     def bearing(
         self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array
     ) -> Array:
-        """The pressure that must be positive in contact, at distances from both ends of a zone.
+        """The pressure that must be positive in contact, at places in zones.
+        A place is given by its distances from both ends of its zone.
 
         The distances are divided by the half width of the zone.
         """
@@ -287,12 +292,12 @@ class Problem(sie.Kept):
 
     @cached_property
     def end(self) -> sie.End:
-        """Kind of a free end: it moves, and the law prescribes its intensity."""
+        """Kind of a free end of a zone: it moves, and the law prescribes its intensity."""
         return sie.free_with_intensity(self._intensity)
 
     @cached_property
     def held_end(self) -> sie.End:
-        """Kind of a fixed end: its place is given."""
+        """Kind of a fixed end of a zone: its place is given."""
         return sie.End(moves=False, intensity=self._intensity)
 
     @property
@@ -314,8 +319,8 @@ class Problem(sie.Kept):
         if self.kappa:
             conditions, closure = self._with_mismatch(conditions, closure)
         if self.moment is not None:
-            # The column added here is the slope of a unit tilt. The column's unknown amplitude is
-            # the correction of the tilt.
+            # The term added to the right side is the slope of a unit tilt. The unknown amplitude of
+            # this term is the correction of the tilt.
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
             columns = (
                 *columns,
@@ -326,7 +331,7 @@ class Problem(sie.Kept):
         )
 
     def _with_mismatch(self, conditions: Conditions, closure: Conditions) -> tuple[Conditions, ...]:
-        """(conditions, closure), with a `MeanLevel` in place of each prescribed level.
+        """Side conditions for sliding: each `sie.Level` condition is replaced by a `MeanLevel`.
 
         With a period, `closure` gets one more condition: the amplitude of the last column is kappa
         times the mean pressure.

@@ -43,7 +43,7 @@ def sides(angle: Array) -> tuple[Array, Array]:
 
 
 def gauss(cuts: Array, count: int) -> tuple[Array, Array]:
-    """Gauss nodes and weights: `count` of them between each cut and the next."""
+    """Gauss nodes and weights, with `count` nodes between each cut and the next."""
     t, weights = np.polynomial.legendre.leggauss(count)
     half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
     return np.asarray((middle + half * t).ravel()), np.asarray((half * weights).ravel())
@@ -65,8 +65,8 @@ def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
     at = np.arange(parts + 1) / parts
     cuts = np.append((cuts[:-1, None] + np.diff(cuts)[:, None] * at[:-1]).ravel(), cuts[-1])
     width = np.diff(cuts)[:, None]
-    # Each node is computed from the nearer cut, so that its distance from this cut keeps all
-    # digits.
+    # Each node is computed from the nearer end of its panel. So its distance from this end keeps
+    # all digits.
     nodes = np.where(u <= 0.5, cuts[:-1, None] + width * u, cuts[1:, None] - width * (1 - u))
     return nodes.ravel(), (width * weight).ravel()
 

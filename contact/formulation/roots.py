@@ -122,7 +122,7 @@ def maximum(
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         here = np.asarray(function(fine.ravel())).reshape(fine.shape)
         here = np.where(np.isnan(here), -np.inf, here)
-        # Keep only the brackets that may contain the highest value.
+        # Keep only the brackets that may contain the highest value of the function.
         may = reaches(here).max(axis=1) >= here.max()
         lo, hi, fine, here = lo[may], hi[may], fine[may], here[may]
         best, rows = np.argmax(here, axis=1), np.arange(len(here))

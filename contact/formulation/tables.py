@@ -34,7 +34,7 @@ def centred_on(table: Array, centre: float, period: float | None) -> Array:
 
 
 def outward(before: Array, after: Array) -> Array:
-    """Outward motion of the ends from `before` to `after`: left ends, then right ends (2n,)."""
+    """Outward displacements of interval ends between two tables: left, then right ends (2n,)."""
     return np.concatenate((before[:, 0] - after[:, 0], after[:, 1] - before[:, 1]))
 
 
@@ -48,7 +48,7 @@ def located(table: Array, x: Array) -> tuple[Index, Mask]:
 
 
 def gaps_between(table: Array, period: float | None) -> Array:
-    """The gap to the right of each interval (n, 2).
+    """The gap between each interval and the next one to the right (n, 2).
 
     The last one crosses the border of the period, or is infinite without a period.
     """

@@ -42,7 +42,7 @@ class Units:
 
     @property
     def lever(self) -> float:
-        """Origin divided by the unit of length, so that x = length (lever + scaled x)."""
+        """Origin divided by the unit of length. So x [m] is length * (lever + scaled x)."""
         return self.origin / self.length
 
     def x(self, scaled: Array) -> Array:

@@ -77,7 +77,7 @@ def of_author(what: str, field: str, given: str = "", hint: str = "") -> Iterato
 
 
 def both_or_neither(E2: float | None, nu2: float | None) -> None:
-    """Raise SceneError if only one of the two constants of the counter-body is given."""
+    """Raise SceneError if E2 and nu2, the constants of the counter-body, are not given together."""
     for name, value, other, given in (("E2", E2, "nu2", nu2), ("nu2", nu2, "E2", E2)):
         if value is None and given is not None:
             raise SceneError.of(

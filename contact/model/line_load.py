@@ -42,8 +42,9 @@ class LineLoadOptions:
 
 
 OPTIONS = LineLoadOptions()
-# Number of halvings from the largest wavenumber in WAVES to the smallest. The panels in the
-# wavenumber q halve this many times. Those in the distance r double at most twice as many times.
+# Number of halvings from the largest wavenumber in WAVES to the smallest. The quadrature panels in
+# the wavenumber q are halved this many times. The panels in the distance r are doubled at most
+# twice as many times.
 _HALVINGS = int(np.log2(WAVES.max() / WAVES.min()))
 
 
@@ -255,7 +256,7 @@ _POINTS, _TO_SERIES = _chebyshev_transform(OPTIONS.nodes)
 
 
 def _integrated(series: Array, half: Array) -> Array:
-    """Chebyshev series, one on each panel, of the integral of a function from 0.
+    """Chebyshev series on each panel of a function's primitive, which is 0 at 0.
 
     series: those of the function; half: half widths of the panels, of which the first begins at 0.
     """

@@ -205,8 +205,7 @@ class Operator(sie.Kept):
         )
 
     def _line_kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        """The kernel 1/r of a line load plus its smooth part, both repeated for the images of a
-        strip.
+        """The kernel of a line load: 1/r plus a smooth part, repeated for the images of a strip.
 
         The potential vanishes at the datum, or far away on a body with a base.
         """
@@ -274,7 +273,7 @@ class Operator(sie.Kept):
         return self._overrides("columns") or self._overrides("placed_columns")
 
     def columns(self, centre: float, unit: float, scaled: Scaled) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with unknown amplitudes, in scaled lengths.
+        """Terms of unknown amplitude on the right side of the integral equation, in scaled lengths.
 
         centre: scaled position of the middle of the strip.
         """
@@ -293,8 +292,9 @@ class Operator(sie.Kept):
         )
 
     def multiplier(self, q: Array) -> Array:
-        """The symbol L at the wavenumbers q [1/m] of the period's first harmonics. Without a
-        declared symbol, the values are computed from the kernel.
+        """The symbol L(q) (relative compliance of the surface) at the wavenumbers q [1/m].
+        q are the first harmonics of the period. Without a declared symbol, the values are computed
+        from the kernel.
         """
         assert self.period is not None
         if self.symbol is not None:
@@ -353,14 +353,14 @@ def _lines(
     x: Array,
     xi: Array,
 ) -> Array:
-    """`factor` times the sum over all poles s of `of` at the distance (x - xi - s) * `unit` [m]."""
+    """`factor` times the sum of the function `of` at (x - xi - s) * `unit` [m] over all poles s."""
     lag = x - xi
     total = sum((of((lag - pole) * unit) for pole in poles), np.zeros(np.shape(lag)))
     return np.asarray(factor * total)
 
 
 def _plus_constant(of: Callable[[Array], Array], constant: float, r: Array) -> Array:
-    """The function `of` at the distance r, plus a constant."""
+    """The sum of the function `of` at the distance r and a constant."""
     return np.asarray(of(r) + constant)
 
 

@@ -100,7 +100,7 @@ class Interaction(Named):
         )
 
     def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with unknown amplitudes, as functions of the scaled position x.
+        """Terms of unknown amplitude on the right side of the equation, as functions of scaled x.
 
         centre: scaled position of the middle of the strip, the one period that is solved exactly.
         A model with a `strip` that does not define this method has one term, that of the nominal
@@ -109,9 +109,7 @@ class Interaction(Named):
         return ()
 
     def side_conditions(self, period: float | None) -> tuple[sie.Condition, ...]:
-        """Conditions that determine the amplitudes of the terms in `columns`, one condition for
-        each term.
-        """
+        """Conditions that determine the amplitudes of the terms in `columns`: one for each term."""
         return ()
 
     def placed_columns(
