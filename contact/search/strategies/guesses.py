@@ -328,7 +328,7 @@ class _GridSearch:
         return None
 
     def _wider_window(self) -> ScaledScene | None:
-        """The scene with a twice as wide search interval; None if it is the whole profile already."""
+        """The scene with the search interval doubled; None if it already is the whole profile."""
         lo, hi = self.scaled.cell
         known = known_part(self.context.scene.profile) or (-math.inf, math.inf)
         half = 0.5 * (hi - lo)

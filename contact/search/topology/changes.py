@@ -10,8 +10,8 @@ import numpy as np
 from contact.formulation.tables import ascending, centred_on
 from sie import Array
 
-# The stated place of a merger or a split is the gap that closes or opens. It is extended on either
-# side by this fraction of the gap's width.
+# The stated place of a merger or a split is the gap between the zones that meet or part, extended
+# on either side by this fraction of the gap's width.
 MARGIN = 0.25
 
 
@@ -28,7 +28,7 @@ class Change:
 
     @property
     def of_gap(self) -> bool:
-        """Whether the gap becomes zero at the change (birth, death); else the pressure does."""
+        """Whether the gap becomes zero at the change (birth, death). If not, the pressure does."""
         return self.kind in ("birth", "death")
 
     @property

@@ -29,7 +29,7 @@ from sie import Array, Index, Mask, record
 
 @record
 class CurvePoint(sie.Kept):
-    """A solution on the curve, with the derivatives of its zone ends along the curve."""
+    """One of several solutions at successive loads or widths, with derivatives of its zone ends."""
 
     solution: Solution
 
@@ -47,7 +47,7 @@ class CurvePoint(sie.Kept):
 
     @property
     def at(self) -> float:
-        """The logarithm of the value of the control."""
+        """The logarithm of the given load or width. Zone ends have derivatives by this logarithm."""
         return float(np.log(self.solution.scene.control[1]))
 
     @cached_property
@@ -64,7 +64,7 @@ class CurvePoint(sie.Kept):
 
     @cached_property
     def rates(self) -> tuple[Array, Array]:
-        """Derivatives of the ends and of the minima of the gap by ln(value of the control).
+        """Derivatives of the ends, and of the minima of the gap, by the logarithm of load or width.
 
         Returns the outward rates of the ends (n, 2), and the rates at which the gap grows at its
         local minima `lowest` (k,).
@@ -81,20 +81,23 @@ class CurvePoint(sie.Kept):
 
     @cached_property
     def zone_motion(self) -> Motion:
-        """Middles and squared half widths of the zones, and their derivatives along the curve."""
+        """Middles and squared half widths of the zones, with derivatives by ln(load or width)."""
         left, right = self.rates[0].T
         return Motion.of(self.zones, -left, right)
 
     @cached_property
     def gap_motion(self) -> Motion:
-        """Motion of the gap to the right of each zone; the last gap crosses the period's border."""
+        """Middles and squared half widths of the gaps, with derivatives by ln(load or width).
+        Each gap is that to the right of a zone. The last gap crosses the border of the period.
+        """
         left, right = self.rates[0].T
         return Motion.of(gaps_between(self.zones, self.problem.period), right, -np.roll(left, -1))
 
 
 @record
 class Motion:
-    """Intervals (n, 2), and the rates along the curve of their middles and squared half widths.
+    """Intervals (n, 2) with their middles, squared half widths, and derivatives of both.
+    The derivatives are by ln(load or width).
 
     values: middles and squared half widths (2, n). rates: the rates of the values (2, n).
     """
@@ -105,12 +108,13 @@ class Motion:
 
     @classmethod
     def of(cls, table: Array, left: Array, right: Array) -> Motion:
-        """Motion of the intervals `table`, from the motions of their left and right ends."""
+        """The `Motion` of the intervals `table`, from the derivatives of their two ends."""
         with np.errstate(invalid="ignore"):
             half = 0.5 * (table[:, 1] - table[:, 0])
             values = np.array([0.5 * (table[:, 0] + table[:, 1]), half**2])
             rates = np.array([0.5 * (left + right), half * (right - left)])
-            # Without a period, the gap next to a lone zone is infinite. Its rates are set to zero.
+            # Without a period, the gap to the right of the last zone is infinite. The derivatives
+            # of this gap are set to zero.
             rates = np.where(np.isfinite(values), rates, 0.0)
         return cls(table, values, rates)
 
@@ -133,7 +137,7 @@ def extrapolated(previous: tuple[CurvePoint, ...], at: float) -> tuple[Array, in
 
 
 def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
-    """The last points with the same units and distinct control values, newest first."""
+    """The last points with the same units and distinct loads or widths, newest first."""
     last, known = previous[-1], [previous[-1]]
     for one in reversed(previous[:-1]):
         if (
@@ -147,7 +151,7 @@ def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
 
 
 def _extrapolate(known: list[Motion], away: list[float], period: float | None) -> Array:
-    """Extrapolated middles and squared half widths (2, n) of the intervals of `known[0]`.
+    """Extrapolated middles and squared half widths (2, n) of the newest intervals, `known[0]`.
 
     away: distance of each point from the wanted value, in the logarithm. Each interval is
     extrapolated from all successive points that have it.
@@ -184,7 +188,8 @@ def hermite_weights(away: Array) -> tuple[Array, Array]:
 
 
 def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, Array]:
-    """Index of each interval's partner in `other`, -1 for none; shift of this partner.
+    """For each interval of `table`: the index of its partner in `other`, and a shift of it.
+    The index is -1 without a partner. The shift by whole periods moves the partner to the interval.
 
     Partners overlap each other and no third interval.
     """
@@ -245,7 +250,7 @@ def _joined(last: CurvePoint, zones: Array, gaps: Array) -> tuple[Array, int]:
 
 
 def _half_widths(square: Array, before: Array) -> tuple[Array, Mask]:
-    """Half widths from extrapolated squares, and a mask of the intervals that have vanished.
+    """Half widths from their extrapolated squares, and a mask of the intervals that vanished.
 
     An interval that may have vanished keeps a small half width.
     """

@@ -16,7 +16,7 @@ EXACT = "interaction = Periodic() needs no strip"
 
 
 class WrongTopology(Exception):
-    """Raised if corrections of the intervals lead to no intervals that pass the certificate.
+    """Raised if corrections of the zones or gaps lead to none that pass the check of signs.
 
     It is raised within a search only, which returns its `failure`. free: the last Newton result.
     """

@@ -64,7 +64,7 @@ class GapForm:
         )
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The gaps `table` as intervals with free ends."""
+        """The gaps `table` as intervals with free ends, which Newton's method moves."""
         if len(table) == 0:
             raise WrongTopology(
                 "no gap is left: they are narrower than rounding can tell from full contact", None
@@ -79,7 +79,7 @@ class GapForm:
     def formal(
         self, load: float, table: Array, tolerance: float, decay: float | None = None
     ) -> GapFields:
-        """Fields under a load with as many gaps as `table` has; no signs are checked.
+        """Pressure and gap under a load, with as many gaps as `table` has; no signs are checked.
 
         decay: see `sie.NewtonOptions`.
         """
@@ -100,11 +100,12 @@ class GapForm:
         """Accept every result: with the gaps as the unknown, round-off loses no gap."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> GapFields:
-        """Fields of the gaps under the mean pressure that was found with the gaps."""
+        """Pressure and gap (fields) under the mean pressure that was found with the gaps."""
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
             equation = self.equation(Load(mean * self.problem.repeat_length))
-            # `solve_fixed` solves without slits. Equations with kappa never have slits.
+            # `solve_fixed` has no special treatment of narrow gaps in a wide zone (slits).
+            # Equations with kappa, the factor of the unknown itself, are never solved with slits.
             solve = sie.solve_zones if self.problem.kappa else sie.solve_fixed
             zones = free.density.zones
             state = solve(equation, zones, max(0.1 * tolerance, 3e-16)).with_bounded_ends()
@@ -120,7 +121,7 @@ class GapForm:
         return united(parts, self.problem.repeat_length, True, self.what)
 
     def solved(self, round: Round[SolvedGaps]) -> SolvedGaps:
-        """The solution made from the last round of the loop."""
+        """The solution made from the last round of Newton's method and of the check of signs."""
         free, fields, control = round.free, round.fields, round.control
         return SolvedGaps(
             free,
@@ -133,7 +134,7 @@ class GapForm:
         )
 
     def is_slight(self, found: Solved) -> bool:
-        """Whether the least minimum of the pressure in contact may be zero within its error."""
+        """Whether the smallest minimum of the pressure in contact may be zero within its error."""
         return found.certificate.dip <= TOLERANCES.margin * found.tolerance
 
 

@@ -15,7 +15,8 @@ from sie import Array, Index, Mask, record
 
 @record
 class GapGuesses:
-    """First guesses of the gaps, which lie where the relief R exceeds the mean pressure.
+    """First guesses of the gaps, which lie where full contact would need tension.
+    There the relief R exceeds the mean pressure.
 
     R is minus the pressure of full contact, without its mean.
     """
@@ -34,7 +35,7 @@ class GapGuesses:
 
     @property
     def value(self) -> Array:
-        """Values of the relief R at the sampled places."""
+        """Values of the relief R (minus the pressure of full contact, without its mean) at `x`."""
         return self.relief.samples[1]
 
     @property
@@ -104,7 +105,9 @@ class GapGuesses:
         return np.array([[place - half, place + half]])
 
     def _placed(self, seen: Array, mean: float) -> Array:
-        """The gaps `seen`; gaps narrower than `NARROW` samples move to maxima of the relief R."""
+        """The gaps `seen`; gaps of less than `NARROW` samples are guessed anew.
+        The new guess lies about a maximum of the relief R.
+        """
         out = []
         for row in seen:
             if row[1] - row[0] < NARROW * self.step:
@@ -142,12 +145,12 @@ class GapGuesses:
 
     @cached_property
     def _valleys(self) -> tuple[Index, Array]:
-        """(indices of the kinks in valleys, R at each kink without the kink's own logarithm)."""
+        """Indices of the kinks in valleys, and the relief R there without each kink's logarithm."""
         kinks = np.flatnonzero(self.relief.heights < 0)
         return kinks, self.relief.without_own(kinks)
 
     def _runs(self, above: Mask, mean: float) -> Array:
-        """Runs of samples of the relief R above the mean pressure, widened by the factor sqrt(2).
+        """Intervals on which the relief R exceeds the mean pressure, widened by the factor sqrt(2).
 
         Each run extends from one crossing of the mean pressure to the next.
         """
@@ -159,7 +162,8 @@ class GapGuesses:
             np.clip(np.roll(self.value, -shift), -highest, highest),
         )
         first, last = np.array(runs_of(above)).T
-        # The relief crosses the mean pressure between two samples. The place is interpolated.
+        # The relief crosses the mean pressure between two samples. The place of the crossing is
+        # interpolated.
         before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean
         a = x[first] - self.step * (value[first] - mean) / (value[first] - mean - before)
         b = x[last] + self.step * (value[last] - mean) / (value[last] - mean - after)

@@ -35,7 +35,8 @@ Kind = TypeVar("Kind", bound=Solved)
 
 @dataclass(frozen=True)
 class RoughRoundOptions:
-    """Options for the first rounds with many intervals, at a loose tolerance of the ends.
+    """Options of the first rounds for many zones or gaps, at a loose tolerance of their ends.
+    A round is Newton's method for the ends, and a check of the signs of pressure and gap.
 
     The first guess of so many intervals rarely has the right number of them. Rough rounds correct
     most of the wrong ones at a fraction of the cost. Their tolerance is that of all rough
@@ -68,7 +69,7 @@ class Formulation(Protocol[Kind]):
     def what(self) -> str: ...
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The proposed intervals `table` with the kinds of their ends.
+        """The proposed intervals `table`, with the kind of each end (such as bounded or singular).
 
         Raises WrongTopology if they cannot be those of a contact.
         """
@@ -80,16 +81,16 @@ class Formulation(Protocol[Kind]):
         """Raise WrongTopology if Newton's method lost a gap between the zones `table`."""
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> Any:
-        """Fields of the intervals `free`, under the load that Newton's method found with them."""
+        """Pressure and gap for the intervals `free`, under the load that was found with them."""
 
     def certificate(self, fields: Any, control: Control, few: float = 0.0) -> Certificate:
-        """The check of signs on the whole line. few: fraction of all ends that are unconverged."""
+        """The check of the signs of pressure and gap. few: fraction of the ends not converged."""
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """New intervals (n, 2), changed where pressure or gap has the wrong sign."""
 
     def solved(self, round: Round) -> Kind:
-        """The solution made from the last round of the loop."""
+        """The solution made from the last round of Newton's method and of the check of signs."""
 
     def is_slight(self, found: Kind) -> bool:
         """Whether the number of intervals depends on a pressure or gap as small as its error."""
@@ -159,7 +160,7 @@ SILENT = Observer()
 
 @record
 class Round(Generic[Kind]):
-    """One round of the loop: Newton's result, its fields, and the check of the fields' signs."""
+    """One round: Newton's result, its pressure and gap (fields), and the check of their signs."""
 
     free: sie.Free
     fields: Any
@@ -177,7 +178,7 @@ def refine_topology(
     observer: Observer = SILENT,
     formal: bool = False,
 ) -> Kind | Failure:
-    """Intervals that pass the certificate, from proposed intervals (n, 2), or a Failure.
+    """Zones or gaps that pass the check of signs, from proposed ones (n, 2); or a Failure.
 
     formal: the proposed intervals are kept, whatever the signs, as for a reference solution.
     """
@@ -199,7 +200,7 @@ def refine_topology(
 
 
 class _Loop(Generic[Kind]):
-    """The rounds of one search; it stores what one round passes on to the next."""
+    """The rounds of one search for zones or gaps, with the data kept for the next round."""
 
     def __init__(
         self,
@@ -216,7 +217,7 @@ class _Loop(Generic[Kind]):
         self.removals = 0
 
     def rounds(self, table: Array) -> Iterator[Kind]:
-        """Yield results that pass the tests of signs: at the wanted tolerance, then at `LEAST`."""
+        """Yield results with correct signs: at the wanted tolerance, then at the smallest one."""
         self._begin_roughly(len(table))
         free: sie.Free | None = None
         done = 0
@@ -252,7 +253,7 @@ class _Loop(Generic[Kind]):
         raise WrongTopology(f"the number of {self.form.what}s did not settle", free)
 
     def _begin_roughly(self, count: int) -> None:
-        """Loosen the first rounds if there are many intervals, of uncertain number."""
+        """Use a loose tolerance in the first rounds if there are many intervals."""
         newton = self.newton
         known = newton.initial_error < 1.0 or newton.abandon_if_far or newton.max_steps
         if count >= ROUGH.min_intervals and not (self.formal or known):
@@ -317,7 +318,7 @@ class _Loop(Generic[Kind]):
         return table, True
 
     def _checked(self, free: sie.Free, number: int) -> Round[Kind]:
-        """The `Round` with a Newton result, its fields, and the check of the fields' signs."""
+        """The `Round` with a Newton result, its pressure and gap, and the check of their signs."""
         newton = self.newton
         fields = self.form.fields(self.control, free, newton.tolerance)
         if self.formal:
@@ -334,7 +335,7 @@ class _Loop(Generic[Kind]):
         if self.newton.tolerance > self.wanted:
             return self._after_rough(here)
         if not here.free.converged:
-            # If the check of signs fails, intervals are missing where it found wrong signs.
+            # If pressure or gap has a wrong sign, an interval is missing at this place.
             is_missing = not here.certificate.holds
             self.newton = replace(self.newton, allow_loss=is_missing)
             zones = here.free.density.zones
@@ -349,7 +350,7 @@ class _Loop(Generic[Kind]):
         return self._after_failed_signs(here)
 
     def _after_rough(self, here: Round[Kind]) -> Array:
-        """The next intervals after a rough round, corrected where signs are wrong.
+        """The next intervals after a round with a loose tolerance, corrected where signs are wrong.
 
         Wrong signs that the error of an end may explain are not corrected.
 
@@ -405,7 +406,7 @@ class _Loop(Generic[Kind]):
 
 
 def end_errors(free: sie.Free, state: sie.AnyState) -> Array:
-    """Bounds (Z, 2) of the errors of the ends, enlarged by a safety factor.
+    """Bounds (n, 2) of the errors of the ends of n intervals, enlarged by a safety factor.
 
     Signs closer to an end than this are not checked. state: the solution on the same intervals,
     under the load that they have.
@@ -416,17 +417,18 @@ def end_errors(free: sie.Free, state: sie.AnyState) -> Array:
 
 
 def _is_error(here: Round[Any]) -> bool:
-    """Whether errors of nearby ends may explain all intervals with a wrong sign."""
+    """Whether each wrong sign of pressure or gap may come from the error of a nearby end."""
     bad = np.concatenate((here.certificate.negative, here.certificate.overlaps))
     return len(bad) > 0 and bool(_are_next_to_ends(here.free, here.fields.state, bad).all())
 
 
 def _are_next_to_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
-    """Mask of the wrong-sign intervals `bad` (n, 2) that the error of an end may explain."""
+    """Mask of the intervals `bad` (n, 2) whose wrong sign may come from the error of an end."""
     if len(bad) == 0:
         return np.zeros(0, dtype=bool)
     ends, reach = free.density.zones.table.ravel(), end_errors(free, state).ravel()
-    # Each interval is compared with the two nearest ends on its left and the two on its right.
+    # Each interval of `bad` is compared with the two nearest ends of zones or gaps on its left, and
+    # with the two on its right.
     nearest = np.searchsorted(ends, bad.mean(axis=1))[:, None] + np.arange(-2, 2)
     nearest = np.clip(nearest, 0, len(ends) - 1)
     left = np.abs(bad[:, :1] - ends[nearest]) <= reach[nearest]

@@ -33,7 +33,9 @@ class PressureForm:
     most_steps: int = 40
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The zones with the kinds of their ends; raises WrongTopology for impossible zones."""
+        """The zones with the kind of each end (such as bounded or singular pressure).
+        Raises WrongTopology for impossible zones.
+        """
         if len(table) == 0:
             raise WrongTopology("all zones vanished", None)
         _within_strip(self.problem, table)
@@ -74,7 +76,7 @@ class PressureForm:
     def formal(
         self, load: float, table: Array, tolerance: float, decay: float | None = None
     ) -> ZoneFields:
-        """Fields under a load, with as many zones as `table`; pressure and gap may have any sign.
+        """Pressure and gap, of any sign, under a load, with as many zones as `table` has.
 
         decay: see `sie.NewtonOptions`.
         """
@@ -112,7 +114,7 @@ class PressureForm:
             )
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> ZoneFields:
-        """Fields of the zones under the total load that the search found for them."""
+        """Pressure and gap (fields) under the total load that the search found with the zones."""
         problem, zones = self.problem, free.density.zones
         _within_borders(problem, zones)
         if control.load is not None:
@@ -167,7 +169,7 @@ class PressureForm:
         return table
 
     def solved(self, round: Round[SolvedZones]) -> SolvedZones:
-        """The solution made from the last round of the loop."""
+        """The solution made from the last round of Newton's method and of the check of signs."""
         return SolvedZones(
             round.free,
             round.fields,
@@ -191,7 +193,7 @@ class PressureForm:
 
 
 def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
-    """The zones `table` with the kinds of their ends.
+    """The zones `table` with the kind of each end (such as bounded or singular pressure).
 
     Ends are pinned at sharp corners, and where the half width is given; others are as the law says.
     """
