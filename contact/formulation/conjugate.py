@@ -49,16 +49,16 @@ class ConjugateOptions:
     max_samples: int = 2**18
     # Largest number of pairs (point, jump) that are evaluated at once. It limits the memory.
     block: int = 1 << 20
-    # Stated error of H f', divided by the largest sample of the residual or of its transform. The
-    # residual is the sum of the Fourier terms of f' that are left out. The factor 2 allows for
-    # larger values between the samples.
+    # Safety factor in the stated error of H f'. The error is this number times the largest sample
+    # of the residual, or of the residual's transform. The residual is the sum of the Fourier terms
+    # of f' that are left out. It may be larger between the samples.
     residual_margin: float = 2.0
-    # This margin replaces `residual_margin` if the Fourier terms fall by half per octave, like
-    # those of a jump. The residual's samples may be only 1/4 of the jump, while its transform 1e-5
-    # periods from the jump is 4 times the jump.
+    # This safety factor replaces `residual_margin` if the Fourier terms are halved per octave, like
+    # those of a jump. The samples of the residual may be only 1/4 of the jump, while its Hilbert
+    # transform at 1e-5 periods from the jump is 4 times the jump.
     jump_margin: float = 16.0
-    # Fourier terms that do not decay are noise if they are below this fraction of the largest slope
-    # or term. Larger terms may come from an undeclared kink.
+    # Fourier terms that do not decay count as noise of the slope if they are below this fraction of
+    # the largest slope or Fourier term. Larger terms may come from an undeclared kink.
     max_noise: float = 1e-9
     no_decay: float = 0.6  # ratio of terms one octave apart, above which they do not decay
 
@@ -94,7 +94,7 @@ class Conjugate(sie.Kept):
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
-        """The transform H f' without the logarithms of the kinks.
+        """The transform H f' of the slope, minus the logarithmic terms of the kinks (jumps of f').
 
         A kink at s with the jump J has the logarithm (J / pi) ln|2 sin(pi (x - s) / L)|, L the
         period.
@@ -136,7 +136,7 @@ class Conjugate(sie.Kept):
         )
 
     def _of_bodies(self) -> "Transform":
-        """The transform for a pair of bodies: the sum of the transforms of both bodies.
+        """The transform H f' of a profile made of two bodies: the sum of both bodies' transforms.
 
         Each body has its own period.
 
@@ -154,7 +154,9 @@ class Conjugate(sie.Kept):
         return Transform(smooth, sum(part.error for part in parts.values()), worst.limit)
 
     def _difference(self, closed: Callable[[Array], Array], series: "Transform") -> float:
-        """Error of a user's transform `closed`: twice its largest difference from `series`.
+        """Error of a closed form of H f' that a user gives.
+        It is twice the largest difference from the transform `series` that is computed by a Fourier
+        series.
 
         Raises SceneError if the difference is so large that the closed form must be wrong.
         """
@@ -185,7 +187,7 @@ class Conjugate(sie.Kept):
 
 
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
-    """Sum of the logarithms of all kinks in the transform H f'.
+    """Sum of the logarithmic terms of H f': one term for each kink (jump of the slope f').
 
     A kink at s with the jump J has the logarithm (J / pi) ln|2 sin(pi (x - s) / L)|, L the period.
     """
@@ -194,7 +196,7 @@ def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
 
 @record
 class Transform:
-    """The transform H f' without the logarithms of the kinks, and the error of this transform.
+    """The transform H f' minus the logarithmic terms of the kinks, with its estimated error.
 
     error: estimate of the largest error. limit: its cause, in words. settled: whether the series of
     the slope has converged. scale: the largest slope or term.
@@ -231,12 +233,14 @@ class SlopeParts:
 
 
 def slope_parts(profile: Profile, length: float) -> SlopeParts:
-    """The parts of the slope f': closed forms of the declared jumps and points, and the rest."""
+    """The slope f' as a sum of closed forms and a Fourier series.
+    The closed forms contain the declared jumps and algebraic points, the series contains the rest.
+    """
     kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
     orders = jumps[:, 1] - 1
-    # `over` is the sum of the jumps of f'''. `Pieces` needs the sum 0, so the jump -`over` is added
-    # at the place `first`. The cubic Bernoulli polynomial in `closed` has the jump `over` at
-    # `first` and cancels the added jump.
+    # `over` is the sum of the jumps of f'''. `Pieces` needs jumps whose sum is 0, so the jump
+    # -`over` is added at the place `first`. The cubic Bernoulli polynomial in the function `closed`
+    # below has the jump `over` at `first` and cancels the added jump.
     first, over = jumps[:1, 0], np.full(len(jumps[:1]), jumps[orders == 2, 2].sum())
     at, heights = np.append(jumps[:, 0], first), jumps[:, 2, None] * (orders[:, None] == [0, 1, 2])
     of_jumps = Pieces.of(
@@ -273,7 +277,9 @@ def slope_parts(profile: Profile, length: float) -> SlopeParts:
 
 
 def _series(profile: Profile, length: float) -> Transform:
-    """The transform H f', by the Fourier series of the slope f' without its declared jumps."""
+    """The transform H f', minus the kinks' logarithmic terms, from the parts of the slope f'.
+    See `slope_parts` for the parts.
+    """
     parts = slope_parts(profile, length)
     first, over, of_jumps, points = parts.first, parts.over, parts.jumps, parts.points
     # H multiplies the complex Fourier terms by -i: cos becomes sin, and sin becomes -cos. `Sum`
@@ -338,7 +344,7 @@ def _sampled_series(
 
 
 def _series_error(coefficients: Array, used: int, rounding: float) -> float:
-    """Estimated largest errors of f' and H f' if only the first `used` Fourier terms are summed.
+    """Estimated largest error of f' and H f' if only the first `used` Fourier terms are summed.
 
     coefficients: of the slope at evenly spaced places. used: number of terms in use. The terms left
     out, at least the last octave, are the residual: noise of the slope, an undeclared jump, or
@@ -393,7 +399,8 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
 
 @record
 class PeriodicPoles:
-    """Poles that represent a periodic slope near points where it is a power of the distance.
+    """Poles (outside the real line) whose sum represents a periodic slope near algebraic points.
+    Near such a point, the slope is a power of the distance from the point.
 
     A pole with distance eta from the line is stored as tanh(pi eta/L) and a coefficient, L the
     period.
@@ -420,7 +427,7 @@ class PeriodicPoles:
 
     @property
     def size(self) -> float:
-        """Upper bound of the absolute value of the sum of the poles."""
+        """Upper bound of the absolute value of the sum of all poles' terms."""
         return float(sum((np.abs(size) / tanh).sum() for tanh, size in self.poles))
 
     def __call__(self, x: Array, conjugate: bool) -> Array:
@@ -442,8 +449,9 @@ class PeriodicPoles:
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
-                # `poles` omits the poles closest to an algebraic point. At the point itself, a pole
-                # with the coefficient c at the distance eta adds i c / (-i eta) = -c / eta.
+                # The list of poles omits those closest to an algebraic point. Their terms are added
+                # at the point itself, where a pole with the coefficient c at the distance eta adds
+                # i c / (-i eta) = -c / eta to the transform.
                 out[turns == 0.0] -= self.points.left_out(place, 0.5 * self.length).real
         return out.reshape(np.shape(x))
 
@@ -459,7 +467,7 @@ def _noise(size: Array, scale: float) -> float:
 
 
 def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:
-    """The profile's closed form of the transform H f', minus the logarithms of the kinks.
+    """The profile's closed form of H f', minus the logarithmic terms of the kinks (jumps of f').
 
     Across each kink, it is interpolated linearly.
     """

@@ -32,7 +32,8 @@ class Pieces(sie.Kept):
 
     @classmethod
     def of(cls, start: float, period: float, at: Array, jumps: Array) -> "Pieces":
-        """The function whose value, slope and second derivative jump by `jumps` (n, 3) at `at`.
+        """The periodic function with given jumps of its value, slope and second derivative.
+        Row k of `jumps` (n, 3) holds the three jumps at the place `at[k]`.
 
         The jumps of the second derivative add up to 0. Jumps at one place are added.
         """
@@ -80,7 +81,7 @@ class Pieces(sie.Kept):
         return self._transform(np.where(t < self.places[0], t + self.period, t))
 
     def continued(self, t: Array, y: Array) -> tuple[Complex, Complex]:
-        """The transform and its derivative at points of the half plane, y >= 0.
+        """The Hilbert transform of this function and its derivative, continued to points y >= 0.
 
         t: distances from the start of the period, moved to lie between the first place and the one
         a period later.
@@ -102,5 +103,8 @@ def _before(parts: Array) -> Array:
 
 
 def _closed(values: Array, length: Array, more: float) -> Array:
-    """Values on the intervals, shifted by a constant that makes their integral -`more`."""
+    """Values on intervals, all shifted by one constant.
+    `length` holds the widths of the intervals. After the shift, the sum of value times width is
+    -`more`.
+    """
     return np.asarray(values - (values @ length + more) / length.sum()) if len(values) else values

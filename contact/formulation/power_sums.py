@@ -21,9 +21,10 @@ from scipy import fft
 from contact.model.profiles.noise import EPS
 from sie import Array, Complex, Index
 
-# A layer with fewer points is summed by Horner's rule. The some 36 Fourier transforms of its
-# Taylor series take as long as Horner's rule at about this many points. A
-# number between 50 and 200 changes the time of random points by less than a tenth.
+# A layer (points w of nearly equal |w|) with fewer points than this is summed by Horner's rule. The
+# about 36 Fourier transforms of the layer's Taylor series take as long as Horner's rule at about
+# this many points. Any number between 50 and 200 changes the time for random points by less than a
+# tenth.
 _MIN_POINTS = 100
 
 
@@ -82,12 +83,12 @@ _BLOCK = 1 << 12
 
 
 def _needed(depth: Array, count: int) -> Index:
-    """How many of `count` terms are above round-off at each depth d."""
+    """Number of terms of the power sum above round-off at depth d = -ln|w|, at most `count`."""
     return np.minimum(-np.log(0.01 * EPS) / np.maximum(depth, 1e-300) + 1, count).astype(np.intp)
 
 
 def _by_horner(terms: Complex, w: Complex) -> tuple[Complex, Complex]:
-    """The sums by Horner's rule for a polynomial and its derivative."""
+    """The sums of c_k w^k and of k c_k w^k, by Horner's rule."""
     total, rate = np.zeros(len(w), dtype=complex), np.zeros(len(w), dtype=complex)
     for term in terms[::-1].tolist():
         rate *= w
@@ -98,15 +99,16 @@ def _by_horner(terms: Complex, w: Complex) -> tuple[Complex, Complex]:
 
 
 def _by_taylor(terms: Complex, exponent: Complex, middle: float) -> tuple[Complex, Complex]:
-    """The sums at points whose depths differ little from `middle`."""
+    """The sums of c_k w^k and of k c_k w^k at points w whose -ln|w| is close to `middle`."""
     count = len(terms)
     angles = fft.next_fast_len(count + count // 2 + 1)
     k = np.arange(1, count + 1)
     scaled = np.zeros(angles, dtype=complex)
     scaled[1 : count + 1] = angles * terms * np.exp(-middle * k)
     cell = np.round(exponent.imag * (angles / (2 * pi)))
-    # The angle 2 pi / angles is split, so that its first part times a cell is exact. The rounding
-    # error of 2 pi is added to the second part.
+    # The step 2 pi / angles of the grid of angles is split into two numbers, so that the first one
+    # times a grid index (`cell`) is exact. The rounding error of 2 pi is added to the second
+    # number.
     first = float(np.float32(2 * pi / angles))
     second = ((2 * pi - first * angles) + 2.4492935982947064e-16) / angles
     step = exponent + middle - 1j * (cell * first) - 1j * (cell * second)
@@ -114,7 +116,8 @@ def _by_taylor(terms: Complex, exponent: Complex, middle: float) -> tuple[Comple
     power, total = np.ones(len(step), dtype=complex), fft.ifft(scaled)[cell]
     rate, order = np.zeros(len(step), dtype=complex), 1
     while np.abs(power).max() > 0.01 * EPS:
-        # scaled: c_k e^(-k d_0) (k / count)^order; power: step^(order - 1) / (order - 1)!
+        # `scaled` holds c_k e^(-k middle) (k / count)^order, times the length of the transform.
+        # `power` holds step^(order - 1) / (order - 1)!.
         scaled[1 : count + 1] *= k / count
         local = fft.ifft(scaled)[cell]
         rate += power * local

@@ -27,7 +27,7 @@ from sie import Array, Complex, Index
 
 
 class Fields(Protocol):
-    """Pressure, gap, displacement and numbers of a contact.
+    """Pressure, gap, displacement and summary numbers of a solved contact.
 
     Zones are in the order of `zone_table`, which `Solution` sorts by position.
     """
@@ -45,7 +45,7 @@ class Fields(Protocol):
         """Pressure [Pa] in a zone at positions t from -1 to 1, accurate up to the zone's ends."""
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap [m]: 0 in contact, inf where no profile is given."""
+        """Gap [m]: 0 in contact, inf at places where the profile is not defined."""
 
     def displacement(self, x: ArrayLike) -> Array:
         """Displacement into the body [m]."""
@@ -61,7 +61,9 @@ class Fields(Protocol):
 
     @property
     def deep_pressure(self) -> float:
-        """Limit of -Im F far below the surface [Pa]: the mean or nominal pressure, else 0."""
+        """Limit of -Im F [Pa] far below the surface, with F as in `pressure_transform`.
+        It is the mean or nominal pressure, and 0 if there is neither.
+        """
 
     # The next members describe the zones.
 
@@ -75,7 +77,7 @@ class Fields(Protocol):
 
     @property
     def levels(self) -> Array:
-        """Minus the scaled approach at each zone. The values differ only by errors."""
+        """Minus the scaled approach, computed at each zone. The values differ only by errors."""
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
         """Exact ends of zones minus the rounded ends in a table [m]; None if unknown.
@@ -134,7 +136,8 @@ class Fields(Protocol):
 
     @property
     def borne_beside(self) -> float:
-        """Scaled integral of p (F - gap) outside contact, with the pressure p and the profile F.
+        """Scaled integral of p (F - gap) over all places outside contact.
+        Here p is the pressure (a tension outside contact) and F the height of the profile.
 
         The elastic energy contains this integral.
         """

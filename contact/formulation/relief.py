@@ -36,12 +36,12 @@ class Relief(Conjugate):
     """
 
     operator: Operator
-    # Factor of the kinks' logarithms in the relief R.
+    # Factor by which the logarithmic terms of the kinks enter the relief R.
     kink_factor = 1.0
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:
-        """The relief R minus the logarithms of the kinks."""
+        """The relief R minus the logarithmic terms of the kinks (jumps of the slope)."""
         conjugate, waves = self._plain.smooth, self._sum
         return (
             conjugate if waves is None else lambda x: np.asarray(conjugate(x) + self._at(x, waves))
@@ -53,7 +53,8 @@ class Relief(Conjugate):
         return Conjugate(self.profile)
 
     def of_waves(self, x: Array) -> Array:
-        """The kinks' part of the relief R, minus this part on a half-plane, where all L_n are 1.
+        """Contribution of the kinks to the relief R, minus their contribution on a half-plane.
+        On a half-plane, the symbol L_n of every harmonic n is 1.
 
         It is the sum over all kinks of (J/pi) times the smooth part of the inverse kernel's
         potential, with J the jump of the slope.
@@ -171,7 +172,8 @@ class ScaledRelief(sie.Kept):
                 OPTIONS.max_samples,
             )
         )
-        # The offset avoids simple fractions of the cell, since kinks often lie there.
+        # The offset 0.4142 keeps the samples off simple fractions of the period, where kinks often
+        # lie.
         x = (
             float(self.units.scaled(np.array(self.relief.profile.x0)))
             + self.period * (np.arange(n) + 0.4142) / n
@@ -183,7 +185,8 @@ class ScaledRelief(sie.Kept):
         return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
 
     def forcing(self, x: Array) -> Array:
-        """The scaled relief R minus the potentials of the inverse kernel at all kinks.
+        """The scaled relief R minus the whole contribution of the kinks.
+        This contribution is the kinks' logarithmic terms plus `of_waves`.
 
         For a kink where the slope jumps by J, the potential is multiplied by J/pi.
         """
@@ -216,7 +219,10 @@ def height_noise(profile: Profile) -> float:
 
 
 def period_samples(profile: Profile) -> Array:
-    """Evenly spaced places over a period, dense enough for the profile, and algebraic points."""
+    """Sample places over a period, including the algebraic points of the profile.
+
+    The other places are evenly spaced, and dense enough to resolve the profile.
+    """
     length = profile.period
     assert length is not None
     n = int(

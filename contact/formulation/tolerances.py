@@ -25,11 +25,11 @@ class Tolerances:
     height_rounding: float = 64 * EPS
     # Bound of a gap's noise, divided by the noise that is measured from samples of the heights.
     noise_multiple: float = 8.0
-    # Bound of the error of all gaps, divided by the gap computed on the zones. The exact gap on
-    # the zones is zero, so that the computed gap is an error.
+    # Bound of the error of the gap at all places, divided by the gap computed on the contact zones.
+    # The exact gap on the zones is zero, so the gap computed there is an error.
     on_zones_multiple: float = 2.0
-    # Allowed overlap of surfaces that attract each other without contact, divided by the reach of
-    # the tension. It is round-off times a condition number of 1e3.
+    # Allowed overlap of surfaces that attract each other without contact, divided by the largest
+    # gap at which the tension acts. It is round-off times a condition number of 1e3.
     apart_rounding: float = 1e-12
     # Bound of a gap's round-off, divided by the likely size of this round-off. The stated error
     # contains the likely size.
@@ -38,7 +38,8 @@ class Tolerances:
     # negative slope within this round-off counts as zero.
     slope_rounding: float = 16 * EPS
 
-    # Bound of the error of sampled pressures, divided by the noise of the zone's right side.
+    # Bound of the error of sampled pressures in a zone, divided by the noise of the right side of
+    # the integral equation in that zone.
     pressure_noise_multiple: float = 2.0
     # Smallest half width of a gap over a concave kink, relative to the period or to the zone next
     # to it. Narrower gaps are left out, since they are no wider than the round-off of their ends.
@@ -48,20 +49,24 @@ class Tolerances:
     # Largest allowed relative error of load and moment. It is far above rounding, and far below the
     # error of a wrong solution.
     balance: float = 1e-9
-    # Largest allowed relative error of the intensity at an end. With a cohesive law: largest error
-    # of the gap at the end of the tension, relative to the reach of the tension.
+    # Largest allowed relative error of the edge intensity, which is the factor of 1/sqrt(distance)
+    # in the pressure near an end of a zone. With a cohesive law: largest allowed error of the gap
+    # at the end of an interval of tension, divided by the largest gap at which the tension acts.
     edge_condition: float = 1e-7
     # Allowed round-off of the gap at the end of an interval of tension, divided by the round-off of
     # the gap elsewhere.
     reach_multiple: float = 4.0
-    # Distance from an end of an interval of tension, relative to the width of the interval. The
-    # certificate compares the gap with the reach only at places farther away than this.
+    # Distance from an end of an interval of tension, relative to the width of the interval. Only at
+    # places farther away than this, the certificate compares the gap with the largest gap at which
+    # the tension acts.
     reach_distance: float = 1e-9
-    # Safety factor in the bound of the gap on the zones. This gap is caused by the error of the
-    # density and by round-off.
+    # Safety factor in the bound of the gap that is computed on the contact zones, where the exact
+    # gap is zero. The computed gap is caused by round-off and by the error of the density (the
+    # unknown function of the integral equation).
     gap_margin: float = 100.0
 
-    # Factor on an error estimate that neglects terms of its own order, as for a truncated series.
+    # Safety factor on an error estimate that neglects terms as large as the estimate itself, such
+    # as the estimate for a truncated series.
     margin: float = 10.0
     # Relative round-off of the closed forms of full contact and of surfaces that do not touch.
     closed_form_rounding: float = 1e-13
@@ -70,7 +75,7 @@ class Tolerances:
     singular_end: float = 8.0
     # No error of the pressure is stated closer to a gap than this fraction of the period.
     unresolved_distance: float = 1e-7
-    # No error of the pressure is stated closer to a tip than this fraction of the half width.
+    # No error of the pressure is stated closer to a tip than this fraction of its zone's half width.
     tip_distance: float = 0.01
     # Largest width of a zone, divided by the length over which the kernel varies. At this width
     # there are 20,000 unknowns, and the solution takes more than 5 s.

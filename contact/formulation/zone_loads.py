@@ -33,8 +33,9 @@ def loads(mean: float, relief: ScaledRelief, zones: Array, rise: Array) -> Array
     """
     start, period = float(zones[0, 0]), relief.period
     breaks = np.unique(np.concatenate((wrapped(relief.breakpoints, start, period), zones.ravel())))
-    # The factor just below 1 prevents a cut by round-off: an interval exactly as long as the
-    # spacing must remain one part.
+    # Each interval between breakpoints is cut into equal parts no longer than the spacing. The
+    # factor just below 1 keeps round-off from cutting an interval that is exactly as long as the
+    # spacing.
     parts = np.ceil((1 - EPS**0.5) * np.diff(breaks) / relief.spacing).astype(int)
     part = np.arange(parts.sum()) - np.repeat(np.cumsum(parts) - parts, parts)
     cuts = np.append(

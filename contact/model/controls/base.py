@@ -105,7 +105,7 @@ def known_controls(given: Control | None) -> dict[str, type[Control]]:
 
 
 def fields_under(name: str, value: float, given: Control | None = None) -> dict[str, Any]:
-    """Values of all control fields of a scene under the control `name`; the others are None.
+    """Values of the control fields of a scene with the control `name`; other fields are None.
 
     given: the present `given` of the scene, if any.
     """

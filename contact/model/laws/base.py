@@ -40,8 +40,9 @@ class PressureRange:
 
 @dataclass(frozen=True)
 class Equilibria:
-    """Whether there is one equilibrium contact at each value of the control. If there are
-    several at one value, a branch of them starts from the contact under another law (`start`).
+    """Whether there is one equilibrium contact at each value of the control (e.g. of the load).
+    If there are several at one value, a branch of equilibria starts from the contact under another
+    law (`start`).
 
     unique: whether a contact with right signs of pressure and gap is the only one. start: if
     there are several equilibria, the law whose zones lie within those of the growing contact. The
@@ -150,7 +151,8 @@ class Law(Named, sie.Kept):
 
     @cached_property
     def equilibria(self) -> Equilibria:
-        """Whether the equilibrium is unique (`convex`), and the law `bare` that starts a branch.
+        """Whether the equilibrium is unique (`convex`), and the law under which a branch starts.
+        A branch is a sequence of equilibria. It starts from the contact under the law `bare`.
 
         A branch of equilibria under this law is followed from the contact under `bare`.
         """
@@ -191,7 +193,8 @@ class Law(Named, sie.Kept):
 
     @property
     def kappa(self) -> float:
-        """Factor of the pressure itself in T p + kappa p = (E*/2) f'; 0 without elastic mismatch.
+        """Factor kappa in T p + kappa p = (E*/2) f'; 0 without elastic mismatch.
+        T is the integral operator of the kernel, p the pressure and f' the slope of the profile.
 
         With a period, the mean pressure is taken off it: T p + kappa (p - mean p).
         """
@@ -216,7 +219,9 @@ class Law(Named, sie.Kept):
         return None
 
     def work_of_adhesion(self, E_star: float) -> float:
-        """Work of adhesion [J/m^2]: the part of the edge intensity plus that of the tension."""
+        """Work of adhesion [J/m^2]: (pi/E*) K^2 plus tension times reach.
+        K is the edge intensity, `reach` the largest gap at which the tension acts.
+        """
         return pi / E_star * self.intensity(E_star) ** 2 + self.tension * self.reach
 
     def surface_energy(self, fields: Any, width: float) -> float:

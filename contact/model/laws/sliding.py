@@ -73,7 +73,7 @@ def dundurs_beta(E1: float, nu1: float, E2: float | None = None, nu2: float | No
 
 
 def _compliances(body: str, E: float, nu: float) -> tuple[float, float]:
-    """((1 - 2 nu)/G, (1 - nu)/G) of one body, G the shear modulus."""
+    """The numbers (1 - 2 nu)/G and (1 - nu)/G of one body, with its shear modulus G."""
     E, nu = positive(f"E{body}", E), poisson_ratio(f"nu{body}", nu)
     compliance = 2 * (1 + nu) / E
     return (1 - 2 * nu) * compliance, (1 - nu) * compliance
@@ -150,14 +150,16 @@ class Sliding(Law):
 
     @cached_property
     def routes(self) -> Routes:
-        """Without elastic mismatch, the pressure and the routes are those without friction."""
+        """The formulations that are valid under this law.
+        Without elastic mismatch (kappa = 0) they are those without friction.
+        """
         return Routes(True, True, "contact.tangential.sliding" if self.kappa else None)
 
     @classmethod
     def completed(
         cls, parameters: Mapping[str, Any], moduli: Mapping[str, float]
     ) -> Mapping[str, Any]:
-        """The parameters, with beta from the moduli of two bodies where it is not given."""
+        """The parameters of the law; a missing beta follows from the moduli of two bodies."""
         if "beta" in parameters or "E1" not in moduli:
             return parameters
         return {**parameters, "beta": dundurs_beta(**moduli)}
