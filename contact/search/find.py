@@ -77,7 +77,7 @@ def _full_contact(context: SolveContext, refused: Failure | None) -> Outcome | F
 
 
 def _from_previous_zones(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """The contact from zones extrapolated from solutions at other values of the control."""
+    """The contact from zones extrapolated from solutions at other loads or widths."""
     return NOT_APPLICABLE if _tilt_and_load_unknown(context) else from_previous(context)
 
 

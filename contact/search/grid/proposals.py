@@ -52,7 +52,7 @@ def proposed(
 
 
 def _detail(scaled: ScaledScene) -> float:
-    """Length [m] that a grid divides into `per_feature` cells: that of the profile's features.
+    """Length [m] that a grid divides into `per_feature` cells, from the size of the profile's details.
 
     A Newton step may move an end by about the length over which the kernel varies. So a grid cell
     may be up to twice this length, and the result up to 2 `per_feature` times this length.
@@ -109,7 +109,7 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
 def _corrected(
     scaled: ScaledScene, width: float, start: tuple[float, float, Proposal], points: int | None
 ) -> tuple[float, float, Proposal]:
-    """A scaled load corrected by Newton's method on a grid, so that the zones have a given width.
+    """A scaled load, corrected on a grid so that the zones have a given total width.
 
     start: a load, the rate of the width's error with the logarithm of the load, and the zones of a
     coarser grid. Returns the same for a grid of this many points (None: the finest grid).

@@ -47,7 +47,7 @@ class CurvePoint(sie.Kept):
 
     @property
     def at(self) -> float:
-        """The logarithm of the given load or width. Zone ends have derivatives by this logarithm."""
+        """The logarithm of the given load or width; the zone ends are differentiated by it."""
         return float(np.log(self.solution.scene.control[1]))
 
     @cached_property
@@ -178,7 +178,7 @@ def _extrapolate(known: list[Motion], away: list[float], period: float | None) -
 
 
 def hermite_weights(away: Array) -> tuple[Array, Array]:
-    """Hermite interpolation at 0: weights of values and of derivatives at the places `away`."""
+    """Weights of values and of derivatives at the points `away` in Hermite interpolation at 0."""
     differences = away[:, None] - away
     np.fill_diagonal(differences, 1.0)
     others = ~np.eye(len(away), dtype=bool)

@@ -69,7 +69,7 @@ class Formulation(Protocol[Kind]):
     def what(self) -> str: ...
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The proposed intervals `table`, with the kind of each end (such as bounded or singular).
+        """The proposed intervals `table`, with the kind of each end (such as free or fixed).
 
         Raises WrongTopology if they cannot be those of a contact.
         """

@@ -33,7 +33,7 @@ class PressureForm:
     most_steps: int = 40
 
     def intervals(self, control: Control, table: Array) -> sie.Zones:
-        """The zones with the kind of each end (such as bounded or singular pressure).
+        """The zones with the kind of each end: free, fixed, or pinned at a sharp corner.
         Raises WrongTopology for impossible zones.
         """
         if len(table) == 0:
@@ -193,7 +193,7 @@ class PressureForm:
 
 
 def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
-    """The zones `table` with the kind of each end (such as bounded or singular pressure).
+    """The zones `table` with the kind of each end: free, fixed, or pinned at a sharp corner.
 
     Ends are pinned at sharp corners, and where the half width is given; others are as the law says.
     """
