@@ -34,8 +34,8 @@ class SearchOptions:
     # Largest number of steps of iterations that normally end earlier. Halving a bracket takes some
     # 60 steps, and shrinking a window from metres to atoms some 100.
     max_steps: int = 300
-    # Largest number of loads tried for a given approach, contact fraction or other quantity. Halving
-    # the bracket until round-off stops it takes about 60 loads.
+    # Largest number of loads tried for a given approach, contact fraction or other quantity.
+    # Halving the bracket until round-off stops it takes about 60 loads.
     max_loads: int = 80
     max_attempts: int = 4  # limit; usually the first or second attempt succeeds
 

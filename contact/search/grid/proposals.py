@@ -52,7 +52,7 @@ def proposed(
 
 
 def _detail(scaled: ScaledScene) -> float:
-    """Length [m] that a grid divides into `per_feature` cells, from the size of the profile's details.
+    """Length [m] that a grid divides into `per_feature` cells: the size of profile details.
 
     A Newton step may move an end by about the length over which the kernel varies. So a grid cell
     may be up to twice this length, and the result up to 2 `per_feature` times this length.
