@@ -232,8 +232,9 @@ class Scene(sie.Kept):
             named.check(self)
         self._check_law()
         if self.interaction.follows_isolated and self.is_flat:
-            # The nominal pressure comes from an isolated contact with the width of the zones. Under
-            # a flat punch, every isolated contact has the width of the punch.
+            # In this closure, the nominal pressure comes from an isolated contact whose zone has
+            # the given width. Under a flat punch, every isolated contact has the width of the
+            # punch, so that its load is not determined.
             allowed = (
                 "another model or closure: every isolated load has the width of a "
                 f"{self.profile.name} profile"
@@ -252,7 +253,7 @@ class Scene(sie.Kept):
 
     @property
     def control(self) -> tuple[str, float]:
-        """Name and value of the prescribed quantity."""
+        """Name and value of the quantity that the scene prescribes, such as the load."""
         return self.control_object.name, self.control_object.value
 
     @cached_property
@@ -369,7 +370,8 @@ class Scene(sie.Kept):
             allowed = f"left out with {body.name}, which has a base that displacements count from"
             raise SceneError.of("interaction.datum", model.datum, allowed)
         if operator.is_periodic and operator.symbol is not None:
-            # Computing `excess` also checks the symbol at the harmonics of the period.
+            # The attribute `excess` is computed here because this also checks the symbol at the
+            # harmonics of the period.
             assert operator.excess is not None
 
     def _check_law(self) -> None:

@@ -74,7 +74,8 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
 
 
 def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
-    """L_n - 1 for harmonics n = 1, 2, ... of the period, up to the last value above round-off.
+    """Symbol minus 1, L_n - 1, at the harmonics n = 1, 2, ..., `count` of a period.
+    Values after the last one above round-off are left out.
 
     L_n is the symbol at the wavenumber 2 pi n / period.
     Raises SceneError if the symbol is not that of a body.
@@ -115,8 +116,8 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
         Sum.of(np.asarray(c, dtype=np.complex128))
         for c in (-2j * np.pi / period * excess, -excess / n)
     )
-    # The coefficients of the smooth part decrease about as exp(-2 pi n length / period) with the
-    # harmonic n.
+    # The coefficients of the kernel's smooth part decrease about as exp(-2 pi n length / period)
+    # with the harmonic n.
     length = -np.log(EPS) * period / (2 * np.pi * len(excess))
     return plain + sie.Smooth(
         partial(_waves, value, period),

@@ -54,7 +54,7 @@ def quantity(value: float | None, unit: str, digits: int = 4, none: str = "not d
 
 
 def rounded(value: float, digits: int) -> str:
-    """A number with so many digits as text, without an exponent from 1e-4 to 1e6.
+    """A number as text with the given count of digits; no exponent between 1e-4 and 1e6.
 
     Examples
     --------

@@ -43,7 +43,8 @@ def zone_solution(
     branch: str | None = None,
     find_pull_off: Callable[[ZoneFields], PullOff] | None = None,
 ) -> Solution:
-    """The solution from zones; raises NotConverged with the solution if its error is too large.
+    """The solution from the solved zones.
+    Raises NotConverged, which contains the solution, if the error of the solution is too large.
 
     branch, find_pull_off: see `Solution`.
     """
@@ -126,7 +127,8 @@ def full_contact_solution(
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
     plan.decide("unknowns", "none", "the pressure of full contact has a closed form")
-    # The error is relative to the largest pressure, or to the mean pressure if that is infinite.
+    # The error is relative to the largest pressure, or to the mean pressure if the largest is
+    # infinite.
     peak = (
         max(abs(fields.max_pressure), abs(least))
         if math.isfinite(fields.max_pressure)
@@ -145,7 +147,9 @@ def full_contact_solution(
 
 
 def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
-    """The solution for surfaces that do not touch. approach [m]: None if it is not given."""
+    """The solution for surfaces that do not touch.
+    approach [m]: None if no approach is given.
+    """
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces are apart"
     plan.decide("unknowns", "none", "the surfaces are apart")
@@ -164,7 +168,7 @@ def apart_solution(scene: Scene, problem: Problem, approach: float | None, plan:
 
 
 def lawful(solution: Solution) -> Solution:
-    """Return the solution; raise NotConverged with it if it violates the law of the interface."""
+    """Return the solution if it obeys the law of the interface; else raise NotConverged with it."""
     scene, certificate = solution.scene, solution.certificate
     checked = held_to_law(certificate, scene.law, solution.fields, scene.given_load)
     if checked is certificate:

@@ -84,12 +84,14 @@ class Plan:
         measured: float | None = None,
         threshold: float | None = None,
     ) -> None:
-        """Store the answer to a question as a `Decision`, in place of an earlier answer."""
+        """Store the answer to a question as a `Decision`; it replaces an earlier answer."""
         self.decisions[question] = Decision(way, because, measured, threshold)
 
     @contextmanager
     def timed(self, name: str) -> Iterator[Part]:
-        """Add the time of a block to a part, without the time of parts timed inside the block."""
+        """Add the running time of a block to a part of the plan.
+        The time of parts that are timed inside the block is left out.
+        """
         part = self[name]
         start = time.perf_counter()
         self._within.append(0.0)

@@ -21,7 +21,7 @@ from sie import Array, Mask
 
 @dataclasses.dataclass(frozen=True)
 class CheckOptions:
-    """Options by which the checks distinguish true declarations of users from false ones.
+    """Tolerances by which checks tell a user's true declarations (kinks, ...) from false ones.
 
     points: number of points on either side of a place. Also the order of the differences that
         separate powers from smooth parts.
@@ -98,7 +98,8 @@ def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0
             for side in (1, -1)
         )
         size = np.maximum(np.abs(right), np.abs(left)).max(axis=1)
-        # The round-off of each place changes the function's values close to it.
+        # The places are known up to round-off. This changes the values of the function close to
+        # them.
         moved = np.abs(places) / h * np.maximum(np.ptp(right, axis=1), np.ptp(left, axis=1))
         for order in (1, 2, 3):
             m = order - first
@@ -122,7 +123,7 @@ def declared_jumps(
     powers: Array,
     rounding: float = 0.0,
 ) -> tuple[Array, Array]:
-    """(jumps of `slope` at the declared kinks (n, 2), their errors minus the allowed errors).
+    """Jumps of `slope` at declared kinks (n, 2), and errors of the jumps minus allowed errors.
 
     The slope is read at `distance` and at half of it on both sides of each kink, and the jump is
     extrapolated to the kink. A declared jump is false if its entry of the second array is positive.
@@ -135,8 +136,8 @@ def declared_jumps(
         left, right = (np.asarray(slope(at + side * d), dtype=np.float64) for side in (-1, 1))
         jump, size = right - left, np.maximum(size, np.maximum(np.abs(left), np.abs(right)))
         for s, n, on_left, on_right in powers:
-            # An algebraic point at the kink adds its own difference between the two slopes. It is
-            # subtracted from `jump`.
+            # If the kink is also an algebraic point, the power of the distance adds a difference
+            # between the slopes on the two sides. This difference is subtracted from `jump`.
             jump -= np.where(at == s, (on_left + on_right) * n * d ** (n - 1), 0.0)
         seen.append(jump)
     jump = 2 * seen[1] - seen[0]
@@ -197,9 +198,9 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
         step = BEND_STEP * width
         room = room_around(found, np.concatenate((declared, found, ends)), width, periodic)
         seen = jumps_at(profile, found, room, nearest=100 * step)
-        # A place found by differences lies at a distance d from the true jump of f''. The slopes
-        # extrapolated from its two sides differ by about d times the jump. So d is this difference
-        # divided by the jump.
+        # The place found by differences is at an unknown distance d from the true jump of f''. The
+        # slopes extrapolated to this place from its two sides differ by about d times the jump. So
+        # d is this difference divided by the jump.
         distance = seen.height[:, 0] / np.where(seen.height[:, 1] == 0, np.inf, seen.height[:, 1])
         found = found - np.where(np.abs(distance) < 10 * step, distance, 0.0)
         seen = jumps_at(profile, found, room, nearest=step / 100)
@@ -278,8 +279,8 @@ def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) 
         y = abs(room) / (order + 1) * 0.5**j * np.arange(1, order + 2)
         values = np.asarray(function(s + np.sign(room) * y), dtype=np.float64)
         declared = float(weights @ (y[:, None] ** power @ size))
-        # The places have the round-off `EPS` |s|. It changes the values at the distance y[0] from s
-        # by about this round-off divided by y[0], relative to their size.
+        # The places have the round-off `EPS` |s|. This changes the values at the distance y[0] from
+        # s by a fraction of about `EPS` |s| / y[0].
         rounding = EPS * float(np.abs(weights) @ np.abs(values)) * (1.0 + abs(s) / y[0])
         if abs(declared) > 10 * rounding / (2 * CHECKS.jump):
             found.append(abs(float(weights @ values) - declared) / abs(declared))

@@ -384,7 +384,7 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     slope = np.asarray(profile.slope(at[:, None] - profile.period * s))
     expected = slope @ (1 / np.tan(np.pi * s)) / n
     difference = np.abs(np.asarray(given) - expected)
-    # The midpoint rule is less accurate for an x near a kink.
+    # The midpoint rule is less accurate for an x near a kink. So the tolerance is larger there.
     away = np.abs(at[:, None] - np.append(np.asarray(profile.kinks)[:, 0], np.inf)).min(axis=1)
     relative = 2 * CHECKS.jump + 4 * (profile.period / (n * away)) ** 2
     excess = difference - relative * max(float(np.abs(slope).max()), float(np.abs(expected).max()))

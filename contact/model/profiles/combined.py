@@ -86,7 +86,7 @@ class Combined(Profile):
         if not isinstance(self.mirrored, (bool, np.bool_)):
             raise SceneError.of("mirrored", self.mirrored, "True or False")
         object.__setattr__(self, "period", common_period(self.profile.period, self.counter.period))
-        # Computing `_overlap` raises SceneError if the bodies do not face each other.
+        # Computing the attribute `_overlap` raises SceneError if the bodies do not face each other.
         assert self._overlap is not None
 
     @cached_property
@@ -152,7 +152,7 @@ class Combined(Profile):
     def counter_height(self, x: ArrayLike) -> Array:
         return np.asarray(-np.asarray(self.counter.height(self.facing(x)["counter"])))
 
-    # The properties and methods below are sums over the two bodies.
+    # The properties and methods below are sums of the values of the two bodies.
 
     def _both(self, function: Callable[[Profile, Array], Any], x: ArrayLike) -> Iterator[Any]:
         """Values of `function` for each body, at the place on the body that is opposite x."""
@@ -173,8 +173,8 @@ class Combined(Profile):
         if self.period is None:
             return None
         one, other = self._both(lambda body, at: body.slope_conjugate(at), x)
-        # A mirror changes the sign of the slope and the sign of the kernel, so that the transform
-        # keeps its sign.
+        # If a body is mirrored, the slope and the kernel of the transform both change sign. So the
+        # transform keeps its sign.
         return None if one is None or other is None else np.asarray(one + other)
 
     @property
@@ -210,7 +210,9 @@ class Combined(Profile):
 
     @property
     def summits(self) -> Array | None:
-        """The common tip if both bodies have one tip and the tips are at one place; else None."""
+        """The common tip if both bodies have one tip and the tips are at one place.
+        It is None otherwise.
+        """
         one, other = self.profile.summits, self.counter.summits
         unknown = one is None or other is None or len(one) != 1 or len(other) != 1
         if unknown or self.support is not None or self.profile.period != self.counter.period:
@@ -261,12 +263,16 @@ class Combined(Profile):
         return self._added(self._in_cells(PlacedBody.jump_rows))
 
     def _in_cells(self, rows_of: Callable[[PlacedBody], Array]) -> Array:
-        """Rows of each body, repeated in all cells of this body; column 0 holds the places."""
+        """Jumps or algebraic points of both bodies, repeated in all cells of their body.
+        Each is a row of the array, with its place in column 0.
+        """
         parts = [self._repeated(rows_of(one), one.body.period) for one in self._placed.values()]
         return np.concatenate(parts)
 
     def _repeated(self, rows: Array, period: float | None) -> Array:
-        """Rows of one body, repeated in all cells of the body; column 0 holds the places."""
+        """The given rows of one body, repeated in all cells of the body.
+        Each row is a jump or an algebraic point, with its place in column 0.
+        """
         ends = self._overlap.ends
         if period is not None and len(rows):
             if self.period is not None:
@@ -288,7 +294,7 @@ class Combined(Profile):
         return rows
 
     def _added(self, rows: Array) -> Array:
-        """The rows (place, order of the derivative, jump), sorted by place.
+        """The rows (place, order of the derivative, jump), added up and sorted by place.
 
         If several rows have the same place and order, their jumps are added. A row is left out if
         this sum is zero within round-off.

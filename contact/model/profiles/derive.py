@@ -51,7 +51,7 @@ class VerdictOptions:
 
 @dataclass(frozen=True)
 class DifferenceOptions:
-    """Options for central differences, each of whose steps is twice as long as the one before.
+    """Options for central differences with several steps, each twice as long as the one before.
 
     wider: number of steps longer than the length scale of a place. Heights with a large constant
         need wide steps.
@@ -154,8 +154,8 @@ class DerivedSlope:
 def scale_of(
     x: Array, length: float | None = None, ends: tuple[float, float] | None = None
 ) -> Array:
-    """For each place, a typical length of the shape. The steps that are tried lie around this
-    length.
+    """For each place, a typical length over which the shape varies there.
+    The steps of the differences that are tried lie around this length.
 
     It is the known length, else the distance of the place from 0 or from the next place. With ends,
     no interval of `verdicts` reaches outside them.
@@ -198,8 +198,7 @@ def complex_value(function: Function, z: NDArray[Any]) -> NDArray[Any] | None:
 
 @record
 class Verdicts:
-    """For each place, whether the height contradicts a slope, and whether the height confirms
-    the slope.
+    """Result at each place: whether the heights contradict a slope, and whether they confirm it.
 
     discrepancy: difference over the rise, on the interval that shows a contradiction best.
     claimed, seen: the mean slope on this interval, from the slope and from the height.
@@ -248,8 +247,8 @@ def verdicts(
 def _compared(
     heights: Array, slopes: Array, h: Array, x: Array, options: VerdictOptions
 ) -> tuple[Array, NDArray[np.bool_], Array]:
-    """Compare heights with integrals of slopes on intervals of half width h about x, one
-    interval in each row.
+    """Compare heights with integrals of slopes on intervals of half width h about the places x.
+    Each row of the arrays is one interval.
 
     Returns three arrays: the discrepancy relative to the rise if it is a contradiction, else 0;
     whether heights and slopes agree; and the integral of the slope at the nodes.
@@ -295,7 +294,7 @@ def differences(
     best, doubt = np.empty(x.shape), np.empty(x.shape)
     with np.errstate(all="ignore"):
         for some in np.array_split(order, max(1, -(-len(x) // BLOCK))):
-            # The last block repeats its last place until it is as long as the other blocks.
+            # The last block of places is as long as the other blocks: it repeats its last place.
             whole = np.append(
                 some, np.full(-len(some) % min(options.together, len(some)), some[-1])
             )
@@ -325,7 +324,8 @@ def _quotients(
         np.maximum(np.maximum(np.abs(right), np.abs(left)), highest) + np.abs(x * quotients)
     )
     hidden = np.repeat(_hidden(right - 2 * here + left, rounding, blocks, options), blocks)
-    # In this combination the error terms in h^2, h^4 and h^6 cancel.
+    # This combination of the quotients with the steps h, 2h, 4h and 8h has no error terms in h^2,
+    # h^4 and h^6.
     values = (
         4096 * quotients[:-3] - 1344 * quotients[1:-2] + 84 * quotients[2:-1] - quotients[3:]
     ) / 2835
@@ -397,7 +397,8 @@ def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptio
     found = np.where(level, np.max(windows, axis=2), np.inf)
     # The differences in a level window show the round-off. At the shortest steps they may be as
     # small as 1/`part` of the round-off. Each level window has its largest difference in `found`. A
-    # window is left out if this exceeds `part` times the smallest entry of `found`.
+    # window is left out if its largest difference exceeds `part` times the smallest entry of
+    # `found`.
     found = np.where(found <= part * np.min(found, axis=0), found, 0.0)
     largest = np.max(np.where(np.isfinite(found), found, 0.0), axis=0)
     sizes = np.where(np.isfinite(rounding), rounding, 0.0).reshape(len(rounding), -1, blocks)

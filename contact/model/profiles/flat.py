@@ -54,8 +54,8 @@ class Flat(Profile):
 
     def height(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
-        # The computed place of a corner (middle + half width, plus whole periods) may lie outside
-        # the punch by round-off. Such a place still counts as part of the punch.
+        # By round-off, the computed place of a corner (middle + half width, plus whole periods) may
+        # lie outside the punch. Such a place still counts as part of the punch.
         slack = 4 * EPS * (self.width + np.abs(x))
         return np.where(np.abs(self.wrap(x)) <= self.width / 2 + slack, 0.0, np.inf)
 

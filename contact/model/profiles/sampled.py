@@ -29,11 +29,11 @@ _READING = "contact.model.traces.prepare"
 _ROUGHNESS = "contact.model.traces.roughness"
 _UNMEASURED = "contact.model.traces.unmeasured"
 
-# Arguments of a preparation that may be whole numbers.
+# Arguments of the preparation of a trace that may be whole numbers.
 _WHOLE = ("detrend", "regrid")
 
 
-# Arguments of `Sampled.prepared`.
+# Names of the arguments of `Sampled.prepared`.
 _PREPARED = tuple("units sort invert fill regrid lambda_s detrend lambda_c taper period".split())
 
 # A not-a-knot cubic spline needs four points, as a cubic has four coefficients.
@@ -42,7 +42,7 @@ MIN_POINTS = 4
 
 @dataclass(frozen=True)
 class SampledOptions:
-    """Tolerance for the points of a measured profile.
+    """Relative tolerance with which lengths, or heights, of a measured profile count as equal.
 
     same: largest relative difference, in position and height, at which the last point is the first
     one, repeated after a period.
@@ -214,7 +214,8 @@ class Sampled(Profile):
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
     warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
     units = {"period": "m", "lambda_s": "m", "lambda_c": "m", "taper": "1"}
-    # (points of the file, preparation of these points); None for points that come from no file.
+    # The points as read from a file, and the preparation of these points. It is None for points
+    # that come from no file.
     source: ClassVar[tuple[Any, Any] | None] = None
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
@@ -425,7 +426,8 @@ class Sampled(Profile):
         w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
         if self.period is not None:
             return w
-        # Outside the first and last points the spline returns NaN.
+        # Outside the first and last points the spline returns NaN. So places that are outside only
+        # by round-off are moved onto these points.
         lo, hi = self.x[0], self.x[-1]
         return onto((lo, hi), w, 8 * EPS * max(abs(lo), abs(hi), hi - lo))
 
@@ -451,7 +453,7 @@ def _of_trace(trace: Any) -> Sampled:
 
 
 def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
-    """The points of one period, without a last point that repeats the first one."""
+    """The points of one period, without the last point if it repeats the first one."""
     length = float(x[-1] - x[0])
     if abs(length - period) <= OPTIONS.same * period:
         step = float(heights[-1] - heights[0])

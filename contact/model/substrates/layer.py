@@ -91,8 +91,8 @@ class Layer(Substrate):
 
 def _sinh_less(x: Array, e: Array) -> Array:
     """(sinh x - x) e, for e = exp(-x)."""
-    # Below x = 1 the difference sinh x - x would lose digits. The series x^3/3! + x^5/5! + ... is
-    # summed instead.
+    # Below x = 1 the difference sinh x - x would lose digits. So the series x^3/3! + x^5/5! + ...
+    # is summed instead.
     small = np.minimum(x, 1.0)
     term, series, power = small**3 / 6, np.zeros_like(x), 3
     while np.any(term > EPS * series):

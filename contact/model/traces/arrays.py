@@ -20,19 +20,19 @@ ARRAYS = Given("the points (x, z)", "the arrays x and z")
 
 
 def is_surface(given: Any) -> bool:
-    """Whether something is a line scan or a map of the package SurfaceTopography, or alike."""
+    """Whether an object looks like a line scan or a map of the package SurfaceTopography."""
     return all(hasattr(given, name) for name in ("heights", "dim", "unit", "to_unit"))
 
 
 def is_arrays(given: Any) -> bool:
-    """Whether something is a pair of arrays, or heights alone."""
+    """Whether an argument is a pair of arrays (positions and heights), or heights alone."""
     return not isinstance(given, (str, bytes, Given)) and (
         any(hasattr(given, name) for name in ("__len__", "__array__", "magnitude"))
     )
 
 
 def source_of(given: Any) -> Source:
-    """A path as it is; of an open file or a stream, its content and its name."""
+    """A path unchanged; for an open file or a stream, its content together with its name."""
     if isinstance(given, (str, PathLike)):
         return str(given)
     if not hasattr(given, "read"):
@@ -55,7 +55,7 @@ def source_of(given: Any) -> Source:
 
 
 def positions_and_heights(given: Any, units: Any, pitch: Any) -> tuple[Array, Array, str, bool]:
-    """(positions, heights, text on the units, whether units are given), lengths in m."""
+    """Positions and heights [m] from arrays, a text on their units, and whether units are given."""
     x, height = _pair(given, pitch)
     quantities = hasattr(height, "magnitude") or hasattr(x, "magnitude")
     if quantities and units is not None:
@@ -89,7 +89,7 @@ def positions_and_heights(given: Any, units: Any, pitch: Any) -> tuple[Array, Ar
 
 
 def _pair(given: Any, pitch: Any) -> tuple[Any, Any]:
-    """(x, z) of a pair of arrays; (None, z) of heights alone, which need a pitch."""
+    """The arrays (x, z) if a pair is given; (None, z) if only heights and a pitch are given."""
     pair = isinstance(given, (tuple, list)) and any(np.ndim(_bare(part)) for part in given)
     if pair and len(given) == 2:
         if pitch is not None:
@@ -108,12 +108,12 @@ def _pair(given: Any, pitch: Any) -> tuple[Any, Any]:
 
 
 def _bare(value: Any) -> Any:
-    """An array without its unit; None if it is none."""
+    """An array without its unit; `np.asarray(None)` if the value is not an array."""
     return as_array(getattr(value, "magnitude", value))
 
 
 def _numbers(field: str, value: Any) -> Array:
-    """Real numbers along one axis; those that are masked become NaN."""
+    """The given real numbers as a one-dimensional array, in which masked numbers become NaN."""
     masked = np.ma.getmask(value)
     raw = as_array(value)
     if raw.dtype.kind not in "iuf" or raw.ndim != 1 or raw.size < MIN_POINTS:

@@ -39,11 +39,12 @@ class WarningLimits:
     In all known cases, limits half or twice as large give the same warnings.
     """
 
-    # A spike differs from its neighbours by more than this multiple of the other heights' range.
-    # Around a value that may mark missing heights (such as -32768), every step is more than this
-    # multiple of the usual step between other heights.
+    # A spike is a point that differs from its neighbours by more than this multiple of the range of
+    # the other heights. A value such as -32768 may mark missing heights if every step to or from it
+    # is larger than this multiple of the usual step.
     far: float = 10.0
-    # Number of points of the running median; a spike has less than half as many points.
+    # Number of points of the running median. A spike has less than half as many points, so that the
+    # median does not follow it.
     median_points: int = 9
     # Largest fraction of missing heights without a warning. It is also the largest fraction of
     # points that may be spikes: more points than that belong to the surface.
@@ -54,7 +55,7 @@ _LIMITS = WarningLimits()
 
 
 def no_height(cell: str, missing: Any) -> bool:
-    """Whether a cell stands for a missing height."""
+    """Whether the text in a cell of a table stands for a missing height."""
     lower = cell.lower()
     named = isinstance(missing, str) and lower == missing.strip().lower()
     return named or lower in _WORDS or _NO_NUMBER.fullmatch(cell) is not None
@@ -155,7 +156,7 @@ def marks(height: Array) -> str:
 
 
 def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
-    """Whether every step between a height in the mask `here` and one outside is unusually large."""
+    """Whether all steps between heights in the mask `here` and heights outside are very large."""
     steps = np.abs(np.diff(height))
     border = here[1:] != here[:-1]
     inner = ~here[1:] & ~here[:-1]
@@ -164,8 +165,8 @@ def _jumps_around(height: Array, here: NDArray[np.bool_]) -> bool:
     if not inner.any() or float(np.median(steps[inner])) == 0:
         return False
     usual = float(np.quantile(steps[inner], 0.75))
-    # On a narrow bump all steps are large, those on its flanks as well as the `border` steps at its
-    # top. The usual step is therefore at least the median of the steps next to a `border` step.
+    # At the top of a narrow bump, the `border` steps are large, but the steps on the flanks are
+    # large, too. So the usual step is at least the median of the steps next to a `border` step.
     following = inner & (np.append(border[1:], False) | np.append(False, border[:-1]))
     if following.any():
         usual = max(usual, float(np.median(steps[following])))

@@ -80,7 +80,7 @@ class Table:
 
 @dataclass(frozen=True)
 class _Found:
-    """The rows of numbers that a layout of the file gives, from the row with index `first` on.
+    """Rows of numbers that one layout (delimiter and decimal mark) finds, from row `first` on.
 
     `places` are the indices of the wanted columns.
     """
@@ -200,7 +200,7 @@ def _asked(decimal: Any, delimiter: Any) -> tuple[tuple[str | None, ...], tuple[
 def _find(
     path: Source, rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]
 ) -> _Found:
-    """The layout with which rows of numbers begin earliest in the file."""
+    """The rows of numbers that begin earliest in the file, and the layout that finds them."""
     names = [column for column in wanted if isinstance(column, str)]
     named = not names
     # The data of most files begin early. So the first row is searched, then twice as many rows in
@@ -229,7 +229,7 @@ def _find(
 
 
 def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | None, list[str]]:
-    """(index of the row after the header, fields of the header).
+    """Index of the row after the header with the given names, and the fields of this header.
 
     The header is the first row that has all of `names`. The index is None without such a row, and
     0 if there are no names.
@@ -255,7 +255,7 @@ def _first_of_two(
 
 
 def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
-    """`found` with an earlier first row, so that rows with missing heights are included.
+    """The rows `found`, which begin earlier if rows with missing heights precede them.
 
     Single points among these rows are included, too. They were not found, since the data begin with
     two successive rows of numbers. A row with an unknown word for a missing height is included and
@@ -403,7 +403,7 @@ def _counts(data: Data, values: Array) -> bool:
 
 
 def _number_above(data: Data) -> int:
-    """Line number of a decimal number just above a lone column of heights; 0 if there is none.
+    """Line number of a decimal number just above a single column of heights; 0 if there is none.
 
     Whole numbers are ignored: they are numbers of points.
     """

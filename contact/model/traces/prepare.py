@@ -46,8 +46,8 @@ from contact.model.traces.text_map import read_map
 from contact.model.units import quantity
 from sie import Array
 
-# Names of the forms to be subtracted; the index of a name is the degree of the polynomial ("none"
-# means no subtraction).
+# Names of the trends that can be subtracted from heights; the index of a name is the degree of the
+# polynomial ("none" means no subtraction).
 _TRENDS = ("none", "line", "quadratic")
 
 
@@ -185,14 +185,14 @@ def load_trace(path: Any, **keys: Any) -> Trace:
 
 
 def _left_out(keys: Mapping[str, Any], why: str) -> None:
-    """Raise SceneError if one of these arguments is given."""
+    """Raise SceneError if one of the arguments `keys` is given, that is, not None."""
     for name, value in keys.items():
         if value is not None and not (name == "columns" and len(value) == 0):
             raise SceneError.of(name, value, f"left out: {why}")
 
 
 def _surface(surface: Any, channel: Any, line: Any, along: Any) -> Reading:
-    """The points of a line scan of SurfaceTopography, or of a line of its map."""
+    """The points of a line scan of SurfaceTopography, or of one line of a map of this package."""
     given = Given(f"the {type(surface).__name__}", type(surface).__name__)
     if channel is not None:
         raise SceneError.of("channel", channel, "left out: this is one channel already")
@@ -259,7 +259,7 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
 
 
 def _upside_down(reading: Reading, by: Preparation) -> bool:
-    """Whether heights must be inverted.
+    """Whether the user asks to invert the heights, because they grow into the body.
 
     Raises SceneError if the file calls them depths and `invert` is not given.
     """
@@ -273,7 +273,7 @@ def _upside_down(reading: Reading, by: Preparation) -> bool:
 def _at_places(
     path: Source, x: Array, height: Array, lines: NDArray[np.int64], count: bool | int | None
 ) -> tuple[Array, Array, str]:
-    """(positions, heights, note on the choice of the positions).
+    """Positions and heights of the prepared trace, with a note on how the positions were chosen.
 
     Without `count` the positions are those of the file, otherwise `count` evenly spaced ones. Equal
     positions in the file raise an error, unless `count` is given and rounding explains them.
@@ -293,7 +293,7 @@ def _at_places(
 def _table(
     path: Source, columns: Any, units: Any, pitch: Any, decimal: Any, delimiter: Any, missing: Any
 ) -> Reading:
-    """The content of a file that is a text table."""
+    """Read a text table: positions and heights, or heights alone with a given pitch."""
     step = None if pitch is None else positive("pitch", pitch)
     wanted = 2 if step is None else 1
     table = read_table(path, columns, decimal, delimiter, wanted, _missing(missing))
@@ -315,7 +315,7 @@ def _table(
 
 
 def _map(path: Source, line: Any, along: Any, pitch: Any, units: Any, **layout: Any) -> Reading:
-    """A line of a map that a text file gives as x, y and z."""
+    """Read one line of a map from a text file with the columns x, y and z."""
     if pitch is not None:
         raise SceneError.of("pitch", pitch, "left out with line: a map of text has x, y and z")
     layout["missing"] = _missing(layout["missing"])
@@ -326,7 +326,7 @@ def _map(path: Source, line: Any, along: Any, pitch: Any, units: Any, **layout: 
 
 
 def _missing(mark: Any) -> Any:
-    """The mark of missing heights, after a check: a word or a number; None without one."""
+    """The user's mark of missing heights, after a check: a word or a number; None if not given."""
     if mark is None or (isinstance(mark, str) and mark.strip()):
         return mark
     return finite("missing", mark, "a word or a number of the file")
@@ -388,7 +388,7 @@ def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> 
 
 
 def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
-    """(positions, heights, note on what was done), for `count` evenly spaced positions.
+    """Trace at `count` evenly spaced positions: positions, heights, and a note on what was done.
 
     Positions printed with too few digits (0.0, 0.2, 0.3, 0.5 for a pitch of 0.156) give a spline
     false slopes. If rounding explains all deviations from an even pitch, the positions are replaced
@@ -431,7 +431,7 @@ def taper_ends(x: Array, height: Array, fraction: float) -> Array:
 
 
 def _pitch_behind_rounding(x: Array) -> float | None:
-    """The pitch of positions that are even except for their rounding; None for uneven positions."""
+    """The pitch if positions are evenly spaced except for their rounding; None if they are not."""
     n = x.size
     length = float(x[-1] - x[0])
     if n < LONG_TABLE or length <= 0:

@@ -16,8 +16,8 @@ _COUNTS = (
     "", "#", "i", "n", "no", "nr", "idx", "index", "point", "points", "sample", "samples", "row",
     "count", "punkt", "messpunkt", "nummer", "number", "numero", "номер", "№", "序号", "番号",
 )  # fmt: skip
-# Number of rows just above the data that are searched for a header. Here a row may be a header even
-# if its number of columns differs from that of the data.
+# Number of rows just above the data that are searched for a header. One of these rows may be a
+# header even if its number of columns differs from that of the data.
 HEADER_ROWS = 3
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 _NUMBER = re.compile(r"[+-]?[\d.,]")
