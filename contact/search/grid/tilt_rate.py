@@ -43,8 +43,8 @@ class AtTilt:
         h = state.influence.h
         x = np.asarray(window[0] + h * (np.arange(state.influence.n) + 0.5), dtype=np.float64)
         centre = float(state.pressure @ x) * h / state.load
-        # A contact resists rotation at least like a single cell in contact. The cell counts as a flat
-        # punch of its width.
+        # Any contact resists rotation at least like a single cell in contact. This cell counts as a
+        # flat punch as wide as the cell.
         least = math.pi / 16 * state.influence.E * h**2
         return cls(
             tilt, centre, max(turning_rate(state, x), least) / state.load, fineness * h, window
