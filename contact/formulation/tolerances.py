@@ -75,7 +75,8 @@ class Tolerances:
     singular_end: float = 8.0
     # No error of the pressure is stated closer to a gap than this fraction of the period.
     unresolved_distance: float = 1e-7
-    # No error of the pressure is stated closer to a tip than this fraction of its zone's half width.
+    # No error of the pressure is stated closer to a tip than this fraction of the half width of the
+    # zone.
     tip_distance: float = 0.01
     # Largest width of a zone, divided by the length over which the kernel varies. At this width
     # there are 20,000 unknowns, and the solution takes more than 5 s.

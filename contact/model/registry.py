@@ -133,7 +133,9 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
 
 
 def parameters(part: Any) -> dict[str, Any]:
-    """The arguments, by name, from which the class of a part can make an equal part."""
+    """The arguments, by name, from which a class makes an equal part.
+    A part is a part of a scene, such as a law.
+    """
     return (
         {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init}
         if dataclasses.is_dataclass(part)
@@ -142,8 +144,8 @@ def parameters(part: Any) -> dict[str, Any]:
 
 
 def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
-    """A new object of the class `kind` with these arguments; SceneError if the class does not
-    take them.
+    """A new object of the class `kind` from arguments by name.
+    SceneError if the class does not take these arguments.
     """
     name = getattr(kind, "__name__", str(kind))
     call = f"{name}({', '.join(f'{key}=...' for key in arguments)})"
@@ -153,7 +155,7 @@ def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
 
 
 def remade(part: Any, changes: Mapping[str, Any]) -> Any:
-    """A copy of the part in which some parameters have other values."""
+    """A copy of a part of a scene (e.g. of a law) in which some parameters have other values."""
     return anew(type(part), {**parameters(part), **changes})
 
 

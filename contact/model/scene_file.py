@@ -115,7 +115,9 @@ def read_scene(text: bytes, name: str, directory: str | PathLike[str] = ".") -> 
 
 
 def read_tables(text: bytes, name: str, hint: str = "") -> Table:
-    """The tables of a TOML text. hint: advice for the message that the text is not TOML."""
+    """The tables of a TOML text; SceneError if the text is not TOML.
+    `hint` is advice that the error message then contains.
+    """
     try:
         tables: Table = require("tomllib").loads(text.decode("utf-8"))
     except ValueError as error:
@@ -226,7 +228,7 @@ def _read_control(table: Table) -> dict[str, Any]:
 
 
 def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
-    """The name that `table[key]` gives, and the table without this key."""
+    """The name that stands under `key` in a table, and the table without this key."""
     if key not in table:
         raise SceneError(f"{key} is missing: it names what the other keys are parameters of")
     rest = dict(table)

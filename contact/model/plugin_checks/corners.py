@@ -31,8 +31,8 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
     lo, hi = float(x[0]), float(x[-1])
     width = hi - lo
     if profile.period is not None:
-        # The searched cell starts where a kink is unlikely. A kink at the border of the profile's
-        # own cell then lies inside the searched cell.
+        # The search starts at a place where a kink is unlikely, and covers one period from there. A
+        # kink at the border of the profile's own cell then lies inside the searched interval.
         width = profile.period
         lo = unlikely_border(profile)
     scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
@@ -62,8 +62,8 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float, float] | None:
-    """Place and jump of a corner near s, from differences over ever shorter distances h; None if
-    there is no corner.
+    """Position and slope jump of a corner near s; None if there is no corner.
+    They are found from finite differences over shorter and shorter distances h.
 
     The jump of a bend that is only sharp falls with the distance, that of round-off grows.
     """
@@ -96,13 +96,13 @@ def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float,
 def _sharp_slope(
     profile: Profile, width: float, x: Array
 ) -> tuple[Callable[[Array], Array], float, float]:
-    """(slope as a function, distance from a corner at which it is right, round-off of the
-    slope).
+    """The slope as a function, its least distance from corners, and its round-off.
+    At smaller distances from a corner than the least distance, the function is wrong.
     """
     if not profile.slope_is_derived:
         return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width, 0.0
-    # The derived slope is wrong near a corner. Differences of the height over a short step h show
-    # the corner, smeared over h.
+    # A slope that is computed numerically from heights is wrong near a corner. Differences of the
+    # height over a short step h show the corner, smeared over h.
     h = 1e-6 * width
     rounding = 4 * EPS * float(np.max(np.abs(np.asarray(profile.height(x))))) / h
 
@@ -124,11 +124,13 @@ def undeclared_corner(profile: Profile, intervals: Array) -> str:
 
 
 def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None:
-    """Place and jump of the most conspicuous undeclared corner in an interval; None without one."""
+    """Position and slope jump of the most conspicuous undeclared corner; None without a corner.
+    The corner is sought in the interval from `lo` to `hi`.
+    """
     function = profile.height if profile.slope_is_derived else profile.slope
-    # With `per_length` = 256 samples in the smallest length, sixth differences of the smooth part
-    # are about (2 pi / 256)^6 of its size. More samples would make a corner of the heights less
-    # visible.
+    # There are `per_length` = 256 samples in the smallest length over which the profile varies.
+    # Sixth differences of a smooth profile are then about (2 pi / 256)^6 of its amplitude. More
+    # samples would make a corner of the heights less visible.
     per_length = DETAIL.min_samples
     count = per_length * (hi - lo) / (profile.resolution or hi - lo)
     count = int(np.clip(count, DETAIL.samples, DETAIL.max_samples))
@@ -151,7 +153,7 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
         if not rough[i] > 64 * EPS * float(np.abs(function(x)).max()):
             break
         a, b = float(x[i]), float(x[i + last])
-    # If the last interval around the corner contains 0, the corner is taken to be at 0.
+    # If the last interval (a, b) around the corner contains 0, the corner is taken to be at 0.
     at = np.array([0.0 if a <= 0.0 <= b else 0.5 * (a + b)])
     room = room_around(at, np.append(declared, (lo, hi)), hi - lo, periodic=False)
     seen = jumps_at(profile, at, room, nearest=4 * (b - a))
@@ -160,8 +162,8 @@ def corner(profile: Profile, lo: float, hi: float) -> tuple[float, float] | None
 
 
 def _roughness(function: Callable[[Array], Array], x: Array) -> tuple[Array, int]:
-    """The deviation of every group of seven successive values from a smooth function, and the
-    number of steps in a group (six).
+    """Deviation from a smooth function, for every group of seven successive samples.
+    The second value is the number of steps in a group (six).
     """
     values = np.asarray(function(x), dtype=np.float64)
     groups = np.lib.stride_tricks.sliding_window_view(values, len(PLACES))
@@ -170,7 +172,9 @@ def _roughness(function: Callable[[Array], Array], x: Array) -> tuple[Array, int
 
 
 def _repeated(profile: Profile, places: Array) -> Array:
-    """The places in the cell and their copies in the two adjacent cells, in ascending order."""
+    """The places in the cell and their copies in the two adjacent cells, in ascending order.
+    Without a period, these are only the places themselves.
+    """
     if profile.period is not None:
         places = np.concatenate([places + turn * profile.period for turn in (-1, 0, 1)])
     return np.sort(places)

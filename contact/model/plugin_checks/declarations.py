@@ -59,7 +59,7 @@ def _require_tables(profile: Profile) -> None:
 
 
 def _require_heights(profile: Profile, x: Array) -> None:
-    """Raise SceneError if heights are not numbers, or if their squares would overflow.
+    """Raise SceneError if heights are not numbers, or are so large that their squares overflow.
 
     x: positions of the heights if the profile has no ends.
     """
@@ -148,7 +148,9 @@ def _is_real(value: Any, axes: int) -> bool:
 
 
 def _places(profile: Profile) -> Array:
-    """Six places, as an array (2, 3), at which the profile should have heights."""
+    """Six places, as an array (2, 3), at which a profile's methods are tried.
+    The profile should have heights there.
+    """
     ends = profile.known if profile.period is not None else profile.support or profile.extent
     spread = np.random.default_rng(0).uniform(-0.5, 0.5, (2, 3))
     if ends is not None:

@@ -110,7 +110,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
             raise SceneError(
                 f"{got}: it must be real, finite and of the shape of x - xi", "interaction"
             )
-        # Adding the same length to x and xi must not change the value.
+        # The function should depend on x - xi only. So adding the same length to x and xi must not
+        # change its value.
         _require_same(
             function(x + _LAGS[1], xi + _LAGS[1]),
             table,
@@ -125,8 +126,9 @@ def _require_regular(kernel: sie.Kernel) -> None:
         "is not odd in x - xi: what a load does elsewhere, one elsewhere does here",
     )
     nodes, weights = np.polynomial.legendre.leggauss(5)
-    # The rise of the potential over 2 `half` is compared with the integral of the smooth part. Over
-    # a longer distance the quadrature is less accurate; over a shorter one the rise loses digits.
+    # The rise of the potential over the distance 2 `half` is compared with the integral of the
+    # smooth part over the same distance. Over a longer distance the quadrature would be less
+    # accurate. Over a shorter one the difference of the potentials would lose digits.
     half = 0.5 * np.sqrt(CHECKS.same)
     rise = potential(_LAGS + half, zero) - potential(_LAGS - half, zero)
     within = half * np.asarray(regular(_LAGS[:, None] + half * nodes, zero)) @ weights

@@ -21,7 +21,7 @@ from contact.model.profiles.derive import DETAIL, DIFFERENCES, DerivedSlope, det
 from contact.model.registry import Named, anew, construct, parameters
 from sie import Array
 
-# Value of `summits` for shapes with one tip, at x = 0.
+# Value of the property `summits` for shapes whose only tip is at x = 0.
 AT_ORIGIN = np.zeros(1)
 AT_ORIGIN.setflags(write=False)
 
@@ -172,7 +172,9 @@ class Profile(Named, sie.Kept):
 
     @property
     def known(self) -> tuple[float, float] | None:
-        """The periodic cell, or the extent without a period; None if f is known everywhere."""
+        """The interval in which f is known: the periodic cell, or the extent of a trace.
+        None if f is known everywhere.
+        """
         return self.extent if self.period is None else (self.x0, self.x0 + self.period)
 
     @property
@@ -203,12 +205,15 @@ class Profile(Named, sie.Kept):
 
     @property
     def feature(self) -> float | None:
-        """Typical length of the shape's features, for the step of first grids; None if unknown."""
+        """Typical length of the shape's features; None if unknown.
+        It sets the step of the first grid in a search.
+        """
         return self.resolution
 
     @property
     def exact_places(self) -> bool:
-        """Whether `slope` is accurate at the number x itself, without the round-off of x / period.
+        """Whether `slope` is free of the round-off of x / period.
+        If so, the slope is accurate at the number x itself.
 
         If it is, the product of a wave number and x loses no digit, for example.
         """
@@ -251,7 +256,7 @@ class Profile(Named, sie.Kept):
 
     @cached_property
     def claims_seen(self) -> dict[tuple[float, float], Any]:
-        """Cache that contact.formulation.claims uses for its results, one for each interval."""
+        """Cache of the results of contact.formulation.claims, with one result for each interval."""
         return {}
 
     def wrap(self, x: ArrayLike) -> Any:
@@ -262,7 +267,7 @@ class Profile(Named, sie.Kept):
         if self.period is None:
             return given
         lo = self.x0
-        # argmin and argmax are faster than min and max.
+        # For numpy arrays, argmin and argmax are faster than min and max.
         if (
             given.dtype == np.float64
             and given.size
@@ -288,8 +293,9 @@ class Profile(Named, sie.Kept):
         return construct(cls, f"profile {cls.name!r}", table)
 
     def unit_of(self, name: str, index: int) -> "Profile | None":
-        """The profile that one unit of an entry of an array of parameters adds, if heights are a
-        sum over these entries; None if they are not, or if it is not known.
+        """The profile that is added if entry `index` of the array parameter `name` grows by 1.
+        It exists only if the heights are a sum of terms proportional to the entries. Otherwise, or
+        if it is not known, None is returned.
         """
         return None
 
@@ -337,7 +343,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def unmeasured(self) -> tuple[Any, ...]:
-        """Intervals (left, right, kind) [m] of a prepared trace without measured heights."""
+        """Intervals (left, right, kind) [m] in which a prepared trace has no measured heights."""
         return ()
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> "Profile":
@@ -372,8 +378,8 @@ class Profile(Named, sie.Kept):
         fields = dataclasses.fields(self)  # type: ignore[arg-type]
         return tuple(getattr(self, field.name) for field in fields if field.compare)
 
-    # `__eq__` and `__hash__` serve dataclasses made with eq=False because one of their fields is an
-    # array.
+    # Some dataclasses are made with eq=False, because one of their fields is an array. The methods
+    # `__eq__` and `__hash__` here serve these dataclasses.
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self) or not dataclasses.is_dataclass(self):
             return self is other if type(other) is type(self) else NotImplemented

@@ -79,8 +79,8 @@ class Biquadratic(Profile):
     def kinks(self) -> Array:
         if self.period is None:
             return np.empty((0, 2))
-        # By symmetry the slope left of the border is minus the slope right of it. The jump is
-        # therefore twice the slope on the right.
+        # By symmetry, the slope left of the border between two cells is minus the slope right of
+        # it. The jump of the slope is therefore twice the slope on the right.
         return np.array([[self.x0, 2 * self._slope_in_cell(self.x0)]])
 
     @property

@@ -125,7 +125,8 @@ class Fourier(Profile):
 
 
 def _is_long(harmonics: int) -> bool:
-    """Whether a sum of `harmonics` terms is computed on a grid and interpolated.
+    """Whether a sum of `harmonics` terms has so many terms that a grid is faster.
+    The sum is then computed on the grid and interpolated.
 
     The grid takes `WIDTH` exponentials a point, a direct sum takes the root of the number of
     harmonics.

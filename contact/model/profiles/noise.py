@@ -13,7 +13,8 @@ import numpy as np
 from sie import Array
 
 EPS = float(np.finfo(np.float64).eps)
-# Numbers whose relative difference is below this count as equal: the difference is round-off.
+# Two numbers whose relative difference is below this count as equal. The difference is then taken
+# for round-off.
 ROUND_OFF = 4096 * EPS
 # Weights of the sixth difference of seven values at equally spaced places.
 WEIGHTS = np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0])
@@ -28,7 +29,7 @@ _SPREAD = math.sqrt(WEIGHTS @ WEIGHTS)
 
 
 def deviations(values: Array) -> Array:
-    """Deviation from a smooth function, for each column of `values` (7, n).
+    """Deviation of seven equally spaced values from a smooth function, for each column (7, n).
 
     A column has the values at seven equally spaced places.
     """

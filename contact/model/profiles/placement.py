@@ -63,7 +63,8 @@ class PlacedBody:
         return lo, hi
 
     def algebraic_rows(self) -> Array:
-        """Rows of `algebraic_points`: place, exponent, coefficients on the left and on the right.
+        """The body's algebraic points as rows, in the coordinate x common to both bodies.
+        A row holds the place, the exponent, and the coefficients on the left and on the right.
 
         Places are in the coordinate x common to both bodies. A mirror exchanges left and right.
         """
@@ -73,7 +74,8 @@ class PlacedBody:
         return rows
 
     def jump_rows(self) -> Array:
-        """Rows (place, order of the derivative, jump) of kinks, jumps and breakpoints.
+        """The body's kinks, jumps and other breakpoints as rows.
+        A row holds the place, the order of the derivative that jumps, and the jump.
 
         Places are in the coordinate common to both bodies. Kinks have order 1, jumps order 2 or 3,
         and breakpoints order 0.
@@ -145,7 +147,7 @@ class Overlap:
 
 
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
-    """Interval in which corners of a periodic body are listed if the other has no period.
+    """Interval in which corners of a periodic body are listed if the other body has no period.
 
     It contains `repeats` cells on each side of the other body's tip. It is None if not exactly one
     body has a period, if the other body ends at corners, or if there are no corners to list.

@@ -98,7 +98,8 @@ class Polynomial(Profile):
 
     @property
     def breakpoints(self) -> Array:
-        # Even if the slopes at both borders are equal, a higher derivative jumps where cells meet.
+        # Even if the slopes at both borders of the cell are equal, a higher derivative jumps at the
+        # border between two cells.
         return np.empty(0) if self.period is None else np.array([self.x0])
 
     @property

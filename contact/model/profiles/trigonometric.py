@@ -62,8 +62,8 @@ class Sum:
         return cls(values[np.arange(n + WIDTH) % n], n)  # a short grid is repeated more than once
 
     def __call__(self, turns: Array, rest: Array | None = None) -> Array:
-        """Values (m,) of the sum at x = turns + rest. `rest` is the round-off of `turns`, if it is
-        known.
+        """Values (m,) of the sum at the places turns + rest, counted in periods.
+        `rest` is the round-off of `turns`, if it is known.
 
         Sums of many terms need it.
         """
@@ -88,8 +88,8 @@ class Sum:
 
 
 def coefficients(weights: Array, turns: Array, count: int) -> Complex:
-    """The sums over j of w_j exp(-2 pi i k x_j) for k = 1 ... `count`. w (m,) are weights, x
-    (m,) places counted in periods.
+    """The sums over j of w_j exp(-2 pi i k x_j) for k = 1 ... `count`.
+    Here w_j are the `weights` (m,), and x_j are the places `turns` (m,), counted in periods.
 
     It is the transpose of `Sum`, accurate to 1e-15 sum |w_j|.
     """

@@ -43,7 +43,7 @@ def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
         raise SceneError.of(
             name, cut_off, "left out where positions are not even: regrid = true makes them so"
         )
-    # Points at an even pitch represent no wavelengths shorter than two pitches.
+    # Points at a constant distance (the pitch) represent no wavelengths shorter than two pitches.
     shortest = 2 * pitch
     if not shortest <= cut_off <= length:
         allowed = "two pitches at least and the length of the trace at most"

@@ -240,7 +240,8 @@ def bare_name(field: str) -> str:
 
 
 def header_fields(line: str, delimiter: str | None) -> Iterator[list[str]]:
-    """Yield the fields of a header, a list for each delimiter; `delimiter` comes first.
+    """Yield the fields of a header line, split by one possible delimiter after another.
+    The given `delimiter` is tried first.
 
     Units stay with their names: in brackets, after a slash, a comma, a colon or "in".
     """

@@ -85,7 +85,7 @@ def read_instrument(
         surface = chosen.topography()
     except Exception as error:
         raise at(path, 0, f"its channel {chosen.name!r} cannot be read ({error})") from error
-    # A map or scan without known lengths has no unit.
+    # The lengths of a map or scan are unknown if the file gives no unit.
     if surface.unit is None:
         raise at(path, 0, "the file says no unit of its lengths: export it as text")
     x, height, where = points_of(path, surface, line, along)
@@ -93,7 +93,7 @@ def read_instrument(
 
 
 def _advice(error: Exception) -> str:
-    """What went wrong, if one reader says so; else the formats that can be read."""
+    """Text for an error message: what the reader reports, or else the formats that can be read."""
     said = str(error)
     if said and "\n" not in said.strip():
         return said
@@ -106,7 +106,9 @@ def _advice(error: Exception) -> str:
 def points_of(
     path: Source, surface: Any, line: Any = None, along: Any = None
 ) -> tuple[Array, Array, str]:
-    """Positions and heights [m] of a line scan or of a line of a map, and which line it is."""
+    """Positions and heights [m] of a line scan or of one line of a map.
+    The third value is a text that says which line of the map was read.
+    """
     try:
         surface = surface.to_unit("m")
         # Only a line scan has positions; a map has physical sizes instead.
@@ -125,8 +127,9 @@ def points_of(
 
 
 def _place(path: Source, names: list[str], channel: Any) -> int:
-    """The index of the channel with this name or number. If none is given, the index of the only
-    channel of heights.
+    """The index of the channel with this name or number.
+    If no channel is given and the file has only one channel of heights, it is the index of this
+    channel.
     """
     listed = ", ".join(f"{place} {name!r}" for place, name in enumerate(names)) or "none"
     if channel is None and len(names) == 1:
@@ -148,7 +151,7 @@ def _place(path: Source, names: list[str], channel: Any) -> int:
 def of_map(
     heights: Array, sizes: tuple[float, float], line: Any, along: Any
 ) -> tuple[Array, Array, str]:
-    """Positions and heights on a line of a map with even distances, and which line it is.
+    """Positions and heights on a line of an evenly spaced map, and a text that names the line.
 
     sizes: lengths [m] of the map in x and y, one distance longer than from first to last point.
     """

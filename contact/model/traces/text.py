@@ -35,12 +35,12 @@ class Given:
         return f", line {line}" if self.content is not None else f", element {line - 1}"
 
 
-# Where a trace comes from.
+# Source of a measured trace: the path of a file, or what a user gives in place of a path.
 Source = str | Path | Given
 
 
 def short_name(path: Source) -> str:
-    """The name of a file without its folders, or that of what is given in its place."""
+    """The name of a file without its folders, or of the object that is given in its place."""
     return path.name if isinstance(path, Given) else Path(path).name
 
 

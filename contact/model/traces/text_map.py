@@ -13,15 +13,16 @@ from contact.model.traces.instruments import of_map
 from contact.model.traces.text import Source, at
 from sie import Array
 
-# Largest deviation of a coordinate from an even grid, in distances of the grid: the rounding of
-# coordinates that are printed with two digits more than their distance needs.
+# Largest deviation of a coordinate from an even grid, divided by the spacing of the grid. It allows
+# for the rounding of coordinates that are printed with two digits more than the spacing needs.
 _UNEVEN = 0.01
 
 
 def read_map(
     path: Source, line: Any, along: Any, units: Any, **layout: Any
 ) -> tuple[Array, Array, str, Table]:
-    """(positions, heights, text on units and line, table) of a line of a map; lengths in m.
+    """Positions and heights on a line of a map [m], a text that names the line, and the table.
+    The table is the content of the file; the text also names the units.
 
     layout: arguments of `read_table`; heights that are missing are NaN.
     """
@@ -42,7 +43,7 @@ def read_map(
 
 
 def _grid(path: Source, name: str, places: Array, table: Table) -> tuple[Array, Array]:
-    """(coordinates of the grid in one direction, index of the coordinate of each point)."""
+    """The coordinates of the grid in one direction, and for each point its index in them."""
     grid, index = np.unique(places, return_inverse=True)
     if len(grid) < 2:
         raise at(path, table.lines[0], f"a map needs two values of {name} at least")
