@@ -232,9 +232,9 @@ class Scene(sie.Kept):
             named.check(self)
         self._check_law()
         if self.interaction.follows_isolated and self.is_flat:
-            # In this closure, the nominal pressure comes from an isolated contact whose zone has
-            # the given width. Under a flat punch, every isolated contact has the width of the
-            # punch, so that its load is not determined.
+            # In this closure, the nominal pressure comes from an isolated contact that is as wide as
+            # the zones. Under a flat punch, every isolated contact has the width of the punch, so
+            # that its load is not determined.
             allowed = (
                 "another model or closure: every isolated load has the width of a "
                 f"{self.profile.name} profile"

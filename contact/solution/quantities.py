@@ -63,7 +63,7 @@ class Energy:
 
 @dataclass(frozen=True)
 class PeakOptions:
-    """Number of samples in the search for the largest pressure of a zone."""
+    """Number of samples in the search for the largest pressure of each zone."""
 
     # Number of samples for each shortest length of the profile, added to those for a smooth zone.
     # Larger numbers give the same peaks.
@@ -91,7 +91,8 @@ def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]
         def over_angle(angle: Array, zone: int = zone) -> Array:
             return pressure_at(np.clip(np.cos(angle), -1.0, 1.0), zone)
 
-        # The pressure is a smooth function of the angle arccos t, with t from -1 to 1 on the zone.
+        # As a function of the angle arccos t, with t from -1 to 1 on the zone, the pressure is
+        # smooth.
         found[zone] = maximum(over_angle, np.linspace(0.0, np.pi, count + 1), levels=7)[1]
     return found
 

@@ -19,7 +19,7 @@ HEADS = ("quantity", "value", "error at most")
 
 
 def title(scene: Scene) -> str:
-    """One line: the parts of a scene by name."""
+    """One line of text with the names of the scene's parts, such as the profile and the law."""
     parts = [f"{scene.profile.title} profile", f"{scene.interaction.name} interaction"]
     for kind in ("substrate", "law"):
         part = getattr(scene, kind)
@@ -48,7 +48,8 @@ class Errors:
         zones, law = solution.zones, scene.law
         unit = unit_pressure(fields) + law.tension
         if len(zones) and (intensity := abs(law.intensity(scene.E_star))):
-            # The pressure near a free end, times sqrt(1 - t^2), is K sqrt(2/half width).
+            # Near a free end, the pressure times sqrt(1 - t^2) is K sqrt(2/half width). Here t runs
+            # from -1 to 1 over the zone, and K is the intensity.
             unit = max(unit, 2 * intensity / float(np.sqrt(solution.zone_widths.min())))
         self.pressure = solution.error * unit
         self.load = 3 * self.pressure * total_width(solution)
@@ -67,7 +68,8 @@ class Errors:
         else:
             size = float(np.sum(widths))
         error = 3 * self.pressure * size / scene.E_star
-        # A body on a base has no datum: the approach also follows the error of the load.
+        # Without a given point of zero displacement (datum), as for a body on a base, an error of
+        # the load changes the approach. So this change is added.
         return error if datum or not stiffness else error + self.load / stiffness
 
     @property
@@ -87,7 +89,7 @@ def _crowding(solution: Solution) -> float:
     gaps = zones[1:, 0] - zones[:-1, 1]
     if not len(gaps):
         return 1.0
-    # A gap narrower than the rounding of positions counts as that wide.
+    # A gap that is narrower than the rounding of positions counts as wide as this rounding.
     gaps = np.maximum(gaps, np.spacing(np.abs(zones).max()))
     return max(1.0, float((np.maximum(widths[1:], widths[:-1]) / gaps).max()))
 
@@ -142,7 +144,7 @@ def _quantities(solution: Solution) -> Iterator[Row]:
 
 
 def _counts(solution: Solution) -> Iterator[Row]:
-    """The zones and other intervals, the branch, the certificate and the stated error."""
+    """Rows on the zones and other intervals, the branch, the certificate and the stated error."""
     yield "zones", zone_count(solution), ""
     for name, table in (("cohesive intervals", solution.cohesive), ("plateaus", solution.plateaus)):
         if len(table):
@@ -188,7 +190,8 @@ def _entry(value: object, unit: str) -> str:
 def zone_columns(
     solution: Solution, most: int = 10, first: tuple[str, int] = ("index", 0)
 ) -> list[tuple[str, list[str]]]:
-    """Columns (header, cells) of the table of zones; of more than `most`, the widest.
+    """Columns (header, cells) of the table of zones.
+    If there are more than `most` zones, only the widest are shown.
 
     first: header of the first column, and the number of the first zone.
     """
@@ -197,7 +200,7 @@ def zone_columns(
     places = np.sort(widest).tolist()
     if not places:
         return []
-    # The numbers have the digits that the stated error allows.
+    # The numbers are printed with the digits that the stated error allows.
     digits = int(np.clip(1 - np.floor(np.log10(max(solution.error, EPS))), 2, 7))
     known = dict(zip(ZONE_COLUMNS, zip(*(rows[k] for k in places), strict=True), strict=True))
     alike = {"left": "right", "mean_pressure": "max_pressure"}
@@ -210,7 +213,7 @@ def zone_columns(
     return columns
 
 
-# Names of numbers in tables, where they differ from the names in Python.
+# Names of numbers in tables. Only names that differ from those in Python are listed.
 _LABELS = {
     "max_pressure": "largest pressure",
     "total_width": "width in contact",
@@ -229,7 +232,9 @@ def heading(name: str) -> str:
 
 
 def report(solution: Solution, most: int = 10) -> str:
-    """The solution as text, at most 80 columns wide; of more than `most` zones, the widest."""
+    """The solution as text, at most 80 columns wide.
+    If there are more than `most` zones, only the widest are shown.
+    """
     rows = zip(*numbers(solution), strict=True)
     parts = [
         *textwrap.wrap(title(solution.scene), 80),

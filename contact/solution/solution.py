@@ -113,7 +113,7 @@ class Solution(sie.Kept):
         return self
 
     def __getattr__(self, name: str) -> Any:
-        # Python calls this method only for attributes that have not been built yet.
+        # Python calls `__getattr__` only for attributes that have not been built yet.
         builders = self.__dict__.get("_builders")
         if builders is None or name not in builders:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
@@ -172,7 +172,8 @@ class Solution(sie.Kept):
         return self.fields.gap(real("x", x))
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement into the body [m]; without a datum, it is relative to the approach.
+        """Displacement into the body [m] at x [m].
+        It is relative to the approach if no point of zero displacement (datum) is given.
 
         On plateaus it includes the depth by which the body has yielded, `overlap`.
         """
@@ -180,7 +181,7 @@ class Solution(sie.Kept):
 
     @cached_property
     def _order(self) -> Index:
-        """For each zone of `zones`, its index in the order of `fields`."""
+        """For each zone of `zones`, the index of the same zone in `fields` (in another order)."""
         return np.argsort(
             wrapped(self.fields.zone_table[:, 0], self.scene.profile.x0, self.scene.period)
         )
@@ -439,7 +440,7 @@ class Solution(sie.Kept):
         return in_cell(self.fields.plateaus, self.scene.profile.x0, self.scene.period)
 
     def overlap(self, x: ArrayLike) -> Array:
-        """Depth [m] by which the body has yielded at x [m], any shape; 0 off the plateaus.
+        """Depth [m] by which the body has yielded at x [m], any shape; 0 where it has not yielded.
 
         It is approach - profile - displacement, by which elastic surfaces would overlap.
         """
@@ -564,7 +565,7 @@ class Solution(sie.Kept):
 
 
 def limit_of_approach(solution: Solution, tol: float) -> str:
-    """Message if the digits of a given approach do not fix the load to `tol`; else "".
+    """Message if the digits of a given approach do not fix the load to `tol`; "" if they do.
 
     Near full contact the approach is the mean of the profile minus the mean gap. The mean gap is
     proportional to the square of the width of narrow gaps over kinks, and to the fourth power of

@@ -32,7 +32,8 @@ def show_table(
     for row in rows:
         table.add_row(*row)
     width = None if sys.stdout.isatty() else file_width
-    # Square brackets in a reason or a unit are plain text here, not markup of the package rich.
+    # Here, square brackets in a reason or a unit are plain text. They are not markup of the package
+    # rich.
     require("rich.console").Console(
         file=sys.stdout, width=width, markup=False, highlight=False
     ).print(table)
@@ -82,14 +83,14 @@ class Progress:
         self._bar.update(self._task, completed=done, total=total)
 
     def say(self, line: str) -> None:
-        """Print an intermediate result on stderr, above the bar."""
+        """Print an intermediate result on stderr, above the progress bar."""
         if self._bar is None:
             print(line, file=sys.stderr, flush=True)
         else:
             self._bar.console.print(line, markup=False, highlight=False)
 
     def _start(self) -> bool:
-        """Start the bar; False if rich is missing."""
+        """Start the progress bar and return True; return False if the package rich is missing."""
         try:
             console = require("rich.console").Console(file=sys.stderr)
             self._bar = require("rich.progress").Progress(console=console, transient=True)

@@ -29,13 +29,13 @@ Column = tuple[str, list[str]]
 
 NEIGHBOURS = (1, 2, 4, 8)
 
-# The quantities whose difference from the exact model is shown.
+# The quantities for which the table shows the deviation from the exact model.
 _NUMBERS = ("load", "max_pressure", "total_width")
 
 
 @dataclass(frozen=True)
 class TableLimits:
-    """Limit on the columns of a table, for a terminal 80 characters wide."""
+    """Limit on the number of columns of a table, for a terminal 80 characters wide."""
 
     # Largest number of zones whose ends are printed. It is also the largest number of columns of
     # ends in one table.
@@ -91,7 +91,7 @@ def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
 
 
 def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """Largest distance between an end and its `exact` place, divided by the exact zone's width.
+    """Largest distance of a zone end from its place in `exact`, over the exact zone's width.
 
     It is None if the numbers of zones differ.
     """
@@ -104,7 +104,8 @@ def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
 
 
 def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float | None:
-    """Largest difference of pressures at equal normalised positions, relative to the exact peak.
+    """Largest difference of the pressures of two models, relative to the exact peak pressure.
+    The pressures are compared at equal normalised positions in the zones.
 
     Where the peak is infinite, the mean pressure on the zones takes its place. None if the zones
     differ in number. samples: number of Chebyshev points of a zone.
@@ -207,7 +208,7 @@ def _models(own: Interaction) -> dict[str, Interaction]:
 
 
 def _warm_up(scene: Scene, models: dict[str, Interaction], tol: float) -> None:
-    """Solve a wave under every model, and the scene under the first one, without counting the time.
+    """Solve a sinusoidal profile with each model, and the scene with the first one, untimed.
 
     Otherwise the time of the first attempts would contain imports and the profile's preparation.
     """

@@ -23,14 +23,16 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class HiddenOptions:
-    """Largest differences between the motion of an end and its prediction by rates."""
+    """Limits within which the displacement of a zone end agrees with its prediction.
+    The prediction uses the end's rates, which are derivatives by ln(load).
+    """
 
-    # If the ratio of an end's rates at two loads exceeds this, the motion of the end between the
-    # loads cannot be predicted from the rates.
+    # If an end's rates (derivatives by ln(load)) at two loads differ by more than this factor, its
+    # displacement between the loads cannot be predicted from the rates.
     max_rate_ratio: float = 1.5
-    # Bound of the relative error of an end's motion that is predicted from its rates. If the rates
-    # are smooth and the loads differ by less than a third, the actual error is several times
-    # smaller.
+    # Bound of the relative error of an end's displacement that is predicted from its rates
+    # (derivatives by ln(load)). If the rates are smooth and the loads differ by less than a third,
+    # the actual error is several times smaller.
     rate_error: float = 0.1
 
 
@@ -39,9 +41,9 @@ OPTIONS = HiddenOptions()
 
 @record
 class Ends:
-    """Zones at one load and the outward motions of their ends per unit of ln(load), both (n, 2).
+    """Zones at one load, and the outward derivatives of their ends by ln(load), both (n, 2).
 
-    A zone that is just born has no width, and the motions of its ends are nan.
+    A zone that is just born has no width, and the rates of its ends are nan.
 
     error: stated error of the ends, relative to the width of their zone.
     """
@@ -52,13 +54,15 @@ class Ends:
 
     @classmethod
     def of(cls, solution: Solution) -> "Ends | None":
-        """The ends of a solution [m]; None in full contact."""
+        """The zones of a solution [m] and the rates of their ends; None in full contact."""
         both = ends_and_rates(solution)
         return None if both is None else cls(*both, solution.error)
 
 
 def may_hide(low: Solution, high: Solution) -> bool:
-    """Whether some end moved between two loads in another way than the end's rates predict."""
+    """Whether a zone end moved between two loads in another way than the end's rates predict.
+    A rate is a derivative by ln(load).
+    """
     before, after = Ends.of(low), Ends.of(high)
     if before is None or after is None or low.load >= high.load:
         return False
@@ -66,7 +70,9 @@ def may_hide(low: Solution, high: Solution) -> bool:
 
 
 def unexplained(low: Ends, high: Ends, step: float, period: float | None) -> bool:
-    """Whether some end moved over `step` in ln(load) in another way than its rates predict."""
+    """Whether a zone end moved over `step` in ln(load) in another way than its rates predict.
+    A rate is a derivative by ln(load).
+    """
     for motion, first, last, known in _motions(low, high, period):
         slow, fast = np.sort(np.abs([first, last]), axis=0)
         distance = np.abs(motion)
@@ -78,7 +84,8 @@ def unexplained(low: Ends, high: Ends, step: float, period: float | None) -> boo
 
 
 def jumped(low: Ends, high: Ends, step: float, period: float | None) -> bool:
-    """Whether some end moved farther over `step` in ln(load) than its rates at both loads explain.
+    """Whether a zone end moved over `step` in ln(load) farther than its rates explain.
+    A rate is a derivative by ln(load), at the low or the high load.
 
     Such an end has passed over a zone that was born beside it.
     """
@@ -91,8 +98,9 @@ def jumped(low: Ends, high: Ends, step: float, period: float | None) -> bool:
 def _motions(
     low: Ends, high: Ends, period: float | None
 ) -> Iterator[tuple[Array, Array, Array, float]]:
-    """For each zone that is one zone at both loads: outward motions of its two ends, their rates at
-    the low load, their rates at the high load, and the sum of the stated errors of an end.
+    """Yield four values for each zone that is one zone at both loads.
+    They are the outward displacements of its two ends, their rates (derivatives by ln(load)) at the
+    low load and at the high load, and the sum of the stated errors of an end.
     """
     old, old_rates, new, new_rates = low.zones, low.rates, high.zones, high.rates
     old_widths, new_widths = room_beside(old, period), room_beside(new, period)
@@ -106,13 +114,14 @@ def _motions(
         motion = np.array([old[i, 0] + turn[i] - a, b - old[i, 1] - turn[i]])
         mean = 0.5 * (old_widths[i] + new_widths[k])
         first, last = old_rates[i] * (old_widths[i] / mean), new_rates[k] * (new_widths[k] / mean)
-        # The width of a new zone grows like a square root: its rate times its width is constant.
+        # The width of a new zone grows like a square root of the load's increase. So the product of
+        # the width and its rate is constant.
         first = np.where(np.isnan(first), last, first)
         yield motion, first, last, (low.error + high.error) * float(b - a)
 
 
 def ends_and_rates(solution: Solution) -> tuple[Array, Array] | None:
-    """Zones [m], and outward motions of their ends per unit of ln(load) [m]; both (n, 2).
+    """Zones [m], and outward derivatives of their ends by ln(load) [m]; both (n, 2).
 
     None in full contact.
     """

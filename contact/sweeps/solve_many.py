@@ -30,7 +30,7 @@ def solve_many(
     *,
     workers: int | None = 1,
 ) -> list[Solution]:
-    """Solve a scene at many values of a control; each solution starts from earlier ones.
+    """Solve a scene at many values of a control; each solution starts from an earlier one.
 
     Each answer is that of `contact.solve`, with its own stated error and certificate. Work that the
     solves share is done once. For the loads at which the number of zones changes, use
@@ -110,7 +110,7 @@ def solve_many(
 def _in_processes(
     curve: Curve, values: Array, workers: int | None
 ) -> Iterator[tuple[int, Solution]]:
-    """(index, solution) of each value that is not in `curve.known`, in any order."""
+    """Yield the index and the solution of each value that is not in `curve.known`, in any order."""
     left = [
         int(place)
         for place in np.argsort(values, kind="stable")
@@ -119,7 +119,7 @@ def _in_processes(
     solvers = min(workers or processors(), len(left) // 2)
     if solvers > 1:
         # Each of n processes solves every n-th value in ascending order. It starts each solution
-        # from its previous one. So all processes take about the same time.
+        # from the previous one that it has found. So all processes take about the same time.
         chunks = [
             Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)
         ]

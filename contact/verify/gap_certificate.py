@@ -43,7 +43,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
 
 
 def _openings(fields: GapFields) -> tuple[Signs, Array]:
-    """(signs of the gap inside the gaps, minima of the gap as returned by `lowest`)."""
+    """Signs of the gap inside the gaps, and the minima of the gap as returned by `lowest`."""
     density, gaps, sizes = fields.gap_slope, fields.gap_slope.zones, fields.gap_sizes
     minima: list[Array] = []
 
@@ -61,7 +61,8 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
-    """Signs of p / sin(angle) in the zones, with the pressure p, which vanishes at their ends.
+    """Check that p / sin(angle) is positive in the zones, with p the pressure.
+    The division removes the zeros of p at the ends of the zones.
 
     Returns the least value, the intervals where it is negative, the least minimum between samples,
     and the number of points. The minimum is relative to the largest value in its zone.
@@ -157,7 +158,7 @@ def _sampled(fields: GapFields) -> _Samples:
     place = np.arange(len(run)) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
     zone = of_run[run]
     left, right = sides((place + 0.5) * np.pi / counts[zone])
-    # The order is reversed, so that the angles of the inner samples increase.
+    # The order of the inner samples is reversed, so that their angles increase.
     inner = inner[::-1]
     pressure, zone = (
         np.concatenate((fields.pressure_in(zone, left, right), known[inner])),
@@ -166,8 +167,8 @@ def _sampled(fields: GapFields) -> _Samples:
     left = np.concatenate((left, from_left[inner] / half[inside[inner]]))
     right = np.concatenate((right, from_right[inner] / half[inside[inner]]))
     run = np.concatenate((run, len(of_run) + inside[inner]))
-    # The pressure is a difference of numbers as large as the relief R. Next to an end the pressure
-    # is small, and may consist only of the rounding of these numbers.
+    # The pressure is a difference of numbers as large as the transform R of the profile's slope.
+    # Next to an end the pressure is small, and may consist only of the rounding of these numbers.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     over_sine = 1 / fields.bounded_weight(left, right)
     return _Samples(
@@ -176,7 +177,7 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals of gaps that the solution lacks at concave kinks, number of unresolved gaps).
+    """Intervals of gaps at concave kinks that the solution lacks, and number of unresolved gaps.
 
     Unresolved gaps are narrower than `TOLERANCES.narrowest_gap` periods.
     """

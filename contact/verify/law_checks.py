@@ -19,7 +19,7 @@ from contact.verify.certificate import Certificate
 def held_to_law(
     certificate: Certificate, law: Law, fields: Fields, given_load: float | None
 ) -> Certificate:
-    """The certificate; if the fields violate the law, a failed certificate with the reason.
+    """The certificate, or a failed certificate with the reason if the fields violate the law.
 
     given_load: the load [N/m] that the scene gives, or None.
     """
@@ -33,7 +33,7 @@ def has_checks(law: Law) -> bool:
 
 
 def _fault(law: Law, fields: Fields, given_load: float | None) -> str:
-    """Message about a violation of the law, such as too high a pressure; empty if there is none."""
+    """Message about a violation of the law, such as too high a pressure; "" if there is none."""
     if not has_checks(law):
         return ""
     highest = law.pressure_range.highest

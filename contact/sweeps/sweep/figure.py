@@ -29,7 +29,9 @@ _DEFAULT = ("max_pressure", "contact_fraction", "total_width")
 
 
 def check_drawable(sizes: Mapping[str, int]) -> None:
-    """Raise SceneError if more than two keys have several values. sizes: of the keys."""
+    """Raise SceneError if more than two keys have several values.
+    sizes: the number of values of each key.
+    """
     several = [key for key, size in sizes.items() if size > 1]
     if len(several) > 2:
         allowed = f"left out: {', '.join(several)} have several values, and a figure shows two keys"
@@ -45,7 +47,7 @@ def plot_sweep(table: Any, names: Sequence[str] = ()) -> Any:
     check_drawable(table.sizes)
     shown = list(names) or [name for name in _DEFAULT if table[name].notnull().any()][:2]
     several = [key for key in table.dims if table.sizes[key] > 1] or list(table.dims)[:1]
-    # The abscissa is numeric if a key is.
+    # The abscissa shows a key with numeric values if there is one, and otherwise a key with words.
     several.sort(key=lambda key: (table[key].dtype.kind in "iuf", table.sizes[key]), reverse=True)
     across, *others = several
     fixed = {key: 0 for key in table.dims if key not in several}
@@ -63,7 +65,9 @@ def plot_sweep(table: Any, names: Sequence[str] = ()) -> Any:
 
 
 def _draw(axes: Any, table: Any, keys: Sequence[str], name: str, lines: Array) -> None:
-    """Draw one number; lines: its values, a row for each value of the second key."""
+    """Draw one computed quantity of a sweep, such as the load.
+    lines: values of the quantity, with a row for each value of the second key.
+    """
     across, *others = keys
     x, below, log = _abscissa(axes, table, across)
     known = lines[np.isfinite(lines)]
@@ -86,7 +90,7 @@ def _draw(axes: Any, table: Any, keys: Sequence[str], name: str, lines: Array) -
 
 
 def _abscissa(axes: Any, table: Any, key: str) -> tuple[Array, str, bool]:
-    """Places along the axis, its label, and whether it is logarithmic."""
+    """Positions of a key's values on the abscissa, its label, and whether it is logarithmic."""
     values = table[key].values
     if values.dtype.kind not in "iuf":
         axes.set_xticks(range(len(values)), [str(value) for value in values])
@@ -99,7 +103,7 @@ def _abscissa(axes: Any, table: Any, key: str) -> tuple[Array, str, bool]:
 
 
 def _name(table: Any, dimension: str) -> str:
-    """The key of a dimension without its table, if no other key has this name."""
+    """The label of a key: its name without its table, if no other key has this name."""
     keys = [table[name].attrs["key"] for name in table.dims]
     key = table[dimension].attrs["key"]
     short = key.rpartition(".")[2]

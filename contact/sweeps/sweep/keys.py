@@ -35,7 +35,9 @@ class Axis:
 
     @property
     def name(self) -> str:
-        """The key as the name of a dimension: xarray gives "profile_amplitude" as an attribute."""
+        """The key as the name of a dimension of the table, in which "_" replaces the dot.
+        With such a name, xarray gives "profile_amplitude" as an attribute.
+        """
         return name_of(self.key)
 
     @property
@@ -46,7 +48,7 @@ class Axis:
 
 
 def name_of(key: str) -> str:
-    """A key of a scene as the name of a dimension."""
+    """A key of a scene, such as "profile.amplitude", as the name of a dimension."""
     return re.sub(r"\W", "_", key)
 
 
@@ -102,7 +104,7 @@ def tables(scene: Scene) -> dict[str, dict[str, Any]]:
         table: {name: value for name, value in values.items() if name != "shape"}
         for table, values in scene.profile.tables().items()
     }
-    # Traces also have the parameters of their preparation.
+    # Measured traces also have the parameters of their preparation.
     for table, body in scene.profile.bodies.items():
         shapes[table] = {**body.preparation, **shapes[table]}
     return shapes | {table: parameters(getattr(scene, table)) for table in PARTS}
@@ -126,7 +128,8 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
             )
         else:
             others.setdefault(table, {})[name] = value
-    # All values of a part are set at once: if set one by one, they might contradict each other.
+    # All values of a part, such as the law, are set at once. If set one by one, they might
+    # contradict each other.
     for table in PARTS:
         if table in others:
             changed[table] = remade(getattr(scene, table), others[table])
@@ -136,7 +139,7 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
 
 
 def _values(key: str, given: Any, present: Any) -> tuple[Value, ...]:
-    """The values of a key: at least one, all distinct, all numbers or all words.
+    """The values of a key, after a check: at least one, all distinct, all numbers or all words.
 
     They are integers if the parameter is an integer.
     """

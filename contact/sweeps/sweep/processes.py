@@ -49,7 +49,7 @@ def processors() -> int:
 
 
 def solved_here(scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
-    """Rows solved in this process, one by one."""
+    """Yield the results (rows) of all points of the chunks, solved in this process one by one."""
     for chunk in chunks:
         for row in solved(scene, chunk, tol):
             yield [row]
@@ -58,7 +58,7 @@ def solved_here(scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[
 def solved_in_processes(
     scene: Scene, chunks: Sequence[Chunk], tol: float, workers: int
 ) -> Generator[Rows]:
-    """Rows solved in several processes, in any order."""
+    """Yield the results (rows) of the chunks, solved in several processes, in any order."""
     _not_in_a_copy_of_the_script()
     waiting = deque(chunks)
     while waiting:
@@ -101,7 +101,7 @@ def solved_in_processes(
 
 
 def _not_sent_back(future: Future[Rows]) -> str:
-    """The reason why a process cannot send its solutions back; "" if it can.
+    """The reason why a worker process cannot send its solutions back; "" if it can.
 
     It cannot if a class of the user cannot be pickled.
     """
@@ -131,7 +131,9 @@ def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
 
 
 def _point_by_point(given: bytes, lost: Sequence[Chunk], tol: float) -> Generator[Rows]:
-    """Rows of the chunks of a dead process, solved one point at a time in a separate process."""
+    """Yield the results (rows) of a dead process's chunks, solved one point at a time.
+    They are solved in a separate process, which is replaced if it dies.
+    """
     points = deque(point for chunk in lost for point in chunk.singly())
     while points:
         with _pool(1) as pool:
@@ -146,7 +148,7 @@ def _point_by_point(given: bytes, lost: Sequence[Chunk], tol: float) -> Generato
 
 @contextmanager
 def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool of processes that end with the `with` block, also after an exception."""
+    """A pool of worker processes, which end with the `with` block, also after an exception."""
     others = set(multiprocessing.active_children())
     pool = ProcessPoolExecutor(
         workers, multiprocessing.get_context("spawn"), initializer=_end_with_parent
@@ -240,11 +242,11 @@ class Cluster:
 
     @property
     def solvers(self) -> int:
-        """Assumed number of threads: more than at present, because workers may join."""
+        """Assumed number of the cluster's threads: more than at present, as workers may join."""
         return CHUNKS.per_process * sum(self._client.ncores().values())
 
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
-        """Rows solved by the workers, in any order."""
+        """Yield the results (rows) of the chunks, solved by the cluster's workers, in any order."""
         client = self._client
         # Unlike pickle, cloudpickle sends classes of the user's script by value, so that workers
         # need not import the script.
@@ -257,8 +259,8 @@ class Cluster:
             client.submit(solve_sent, given, chunk, tol, pure=False): chunk for chunk in chunks
         }
         try:
-            # Each result is fetched as soon as it is ready, so that it is not lost if its worker
-            # is lost later.
+            # Each result is fetched as soon as it is ready. So it is not lost if its worker is lost
+            # later.
             done = self._distributed.as_completed(
                 list(running), loop=client.loop, with_results=True, raise_errors=False
             )
@@ -289,7 +291,7 @@ class Cluster:
                 raise ContactError(f"the workers of the scheduler {why} (asked: {worker})")
 
     def _checked(self, future: Any, rows: Rows, chunk: Chunk) -> Rows:
-        """The rows of a finished task; rows of failures if the task killed its workers.
+        """The results (rows) of a finished task; rows of failures if the task killed its workers.
 
         Raises ContactError if the cluster itself failed.
         """

@@ -149,9 +149,9 @@ def sweep(
 def _solving(
     scene: Scene, table: Table, cluster: Cluster | None, solvers: int, retry: bool
 ) -> Generator[Rows]:
-    """The rows of all points that are still to be solved."""
+    """Yield the results (rows) of all points of the table that are still to be solved."""
     wanted = _wanted(table, retry)
-    # A single process hands over its rows one by one, so its curves need not be cut into chunks.
+    # A single process hands over its results one by one, so its curves need not be cut into chunks.
     chunks = chunks_of(
         table.axes, wanted, solvers if cluster or solvers > 1 else None, table.branch
     )
@@ -170,7 +170,9 @@ def _wanted(table: Table, retry: bool) -> Mask:
 def _fill(
     table: Table, path: Path | None, solving: Generator[Rows], progress: Progress | None, done: int
 ) -> None:
-    """Put rows into the table. Save it repeatedly, and finally when the sweep ends or fails."""
+    """Put rows of results into the table.
+    The table is saved repeatedly, and finally when the sweep ends or fails.
+    """
     due = time.monotonic()
     try:
         with closing(solving):
