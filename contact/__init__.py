@@ -76,9 +76,9 @@ if TYPE_CHECKING:
     from contact.sweeps.solve_many import solve_many
     from contact.sweeps.sweep.run import sweep
 
-# Public names, by the module that defines them. A single solve needs none of these modules, so each
-# is imported when one of its names is first used. Readers and type checkers find the names in the
-# imports above.
+# Public names with the modules that define them. A single solve needs none of these modules, so
+# each module is imported when one of its names is first used. Readers and type checkers find the
+# names in the imports above.
 _HOMES = {
     "contact.explorer.explore": "explore",
     "contact.inside.stress": "Stress",

@@ -8,7 +8,9 @@ from contact.extras import require
 
 
 def main() -> None:
-    """Run the command line; if packages for it are missing, name them and exit with status 2."""
+    """Run the command line.
+    If optional packages for it are missing, print their names and exit with status 2.
+    """
     interrupts.install()
     try:
         try:

@@ -47,7 +47,8 @@ _OPTIONS = SpotOptions()
 
 @dataclass(frozen=True)
 class Spot(sie.Kept):
-    """One solved contact spot with its surroundings: a result of `solve_spot` or `solve_levels`.
+    """One contact spot that was solved for, with the effect of its neighbours.
+    `solve_spot` and `solve_levels` return such spots.
 
     The equations are in the docstring of this module. `error` bounds the relative error of load,
     radius and pressure (over the mean pressure) as a solution of the model's equations. It does not
@@ -127,7 +128,7 @@ class Spot(sie.Kept):
     error: float = 0.0
 
     def __str__(self) -> str:
-        """The numbers with units and bounds of their errors, as a table."""
+        """A table of load, radius, pressures and other results, with units and error bounds."""
         mean = self.mean_pressure
         numbers = [
             ("load", self.load, "N", self.error * self.load),
@@ -151,7 +152,9 @@ class Spot(sie.Kept):
 
     @property
     def nominal_pressure(self) -> float | None:
-        """Load times the density of spots [Pa]; None without neighbours."""
+        """Nominal pressure [Pa]: load per spot times the number of spots per area.
+        It is None for a single spot.
+        """
         return self.load * self.density if self.density > 0 else None
 
     @property
@@ -161,16 +164,16 @@ class Spot(sie.Kept):
 
     @property
     def contact_fraction(self) -> float | None:
-        """Contact area per unit area of the surface; None without neighbours."""
+        """Contact area per unit area of the surface; None for a single spot without neighbours."""
         return pi * self.radius**2 * self.density if self.density > 0 else None
 
     @property
     def circle(self) -> float:
-        """Radius [m] of the circle whose area is the area per spot; inf without neighbours."""
+        """Radius [m] of the circle whose area is the area per spot; inf for a single spot."""
         return own_radius(self.density) if self.density > 0 else inf
 
     def pressure(self, r: ArrayLike) -> Array:
-        """Pressure p(r) [Pa]; 0 outside the spot."""
+        """Contact pressure p(r) [Pa] at the radius r; 0 outside the spot."""
         r = np.abs(finite_array("r", r, None))
         return _where(r < self.radius, r, self._pressure)
 
@@ -192,7 +195,8 @@ class Spot(sie.Kept):
 
     @cached_property
     def _bend(self) -> tuple[Array, Array, Array]:
-        """(Chebyshev series of e'(x)/x, Gauss nodes, weights), with e the effect of other spots.
+        """(Chebyshev series of e'(x)/x, Gauss nodes, weights) for the pressure from other spots.
+        e(x) is the effect of the other spots on the transformed displacement of this spot.
 
         The series is in x^2/a^2, with a the radius of the spot. Nodes and weights are those for the
         integral over s from 0 to 1 at the head of this module.
@@ -217,13 +221,18 @@ class Spot(sie.Kept):
 
     @property
     def max_pressure(self) -> float:
-        """Largest pressure [Pa]; inf if the spot contains a pointed tip or an edge."""
+        """Largest pressure [Pa].
+        It is inf if the spot contains a pointed tip or an edge (a jump of the profile's slope).
+        """
         if self.profile.pointed(self.radius) or self.profile.edges(self.radius):
             return inf
         return -least_value(lambda r: -self.pressure(r), 0.0, self.radius, 129)
 
     def gap(self, r: ArrayLike) -> Array:
-        """Gap [m] as a mean over the angle: 0 in the spot, defined for radii up to `reach`."""
+        """Gap g(r) [m] as a mean over the angle.
+        It is 0 in the spot and defined for radii r up to `reach`, where the nearest neighbouring
+        spot begins.
+        """
         r = np.abs(finite_array("r", r, None))
         if np.any(r > self.reach):
             raise SceneError.of(
@@ -247,7 +256,8 @@ class Spot(sie.Kept):
         return self.approach - self.depth - self.profile.height(r) + self.gap(r)
 
     def balance(self) -> float:
-        """Integral of the pressure over the spot, divided by the load, minus one.
+        """Relative error of the load balance: integral of the pressure divided by the load, minus
+        1.
 
         This difference checks the transforms against each other.
         """
@@ -259,7 +269,7 @@ class Spot(sie.Kept):
         return float(2.0 * pi * np.sum((weights * nodes * pressure)[known]) / self.load) - 1.0
 
     def check(self) -> None:
-        """Raise OutOfRange if the contact is not one full circle.
+        """Raise OutOfRange if the solution is no full circle: pressure or gap somewhere negative.
 
         The signs are wrong if the pressure in the spot or the gap around it is negative.
         """

@@ -152,7 +152,7 @@ class LevelsSolution:
 
     @property
     def error(self) -> float:
-        """Bound of the relative error: the largest error of all spots."""
+        """Bound of the relative error of the solution: the largest error of all spots."""
         return max(s.error for s in self.spots if s is not None)
 
 
@@ -166,7 +166,8 @@ def solve_levels(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> LevelsSolution:
-    """Solve for the levels in contact, and their spots, at a nominal pressure or an approach.
+    """Solve for the levels (groups of equal asperities) in contact, and for their spots.
+    Either the nominal pressure or the approach is given.
 
     Parameters
     ----------
@@ -239,7 +240,8 @@ def touch_pressures(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> Array:
-    """Nominal pressure at which each level begins to touch; inf if spots would merge before.
+    """Nominal pressure at which each level (group of equal asperities) begins to touch.
+    It is inf if the spots of other levels would merge before.
 
     Parameters
     ----------
@@ -289,7 +291,9 @@ def touch_pressures(
 
 @dataclass(frozen=True)
 class _Contact:
-    """Levels that begin to touch at the same `pressure` (nominal, divided by E*) and `delta`."""
+    """Levels (groups of equal asperities) that begin to touch at the same pressure.
+    `pressure` is the nominal pressure divided by E*, `delta` the approach of the surfaces.
+    """
 
     kinds: list[int]
     pressure: float
@@ -313,7 +317,9 @@ def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
 
 
 def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -> _Contact:
-    """Pressure and approach at which level j first touches, if `active` levels are in contact."""
+    """Pressure and approach at which level j first touches, if `active` levels are in contact.
+    A level is a group of equal asperities.
+    """
     last = inf
     try:
         for state in settled(kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)):
@@ -333,7 +339,7 @@ def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -
 
 
 def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, delta: float) -> Array:
-    """Radii of the spots without interaction, as an initial guess for Newton's method.
+    """Radii that the spots would have without interaction: initial guess for Newton's method.
 
     Either the nominal pressure over E* or the approach `delta` is given.
     """
@@ -347,8 +353,9 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
     radii = np.zeros(len(kinds))
     for j in active:
         over = delta - kinds[j].depth
-        # `over` is the approach minus the depth of level j. If `over` is not positive, the level
-        # would not touch if spots did not interact, so its first radius is small.
+        # `over` is the approach minus the depth of level j, which is the penetration of its spots
+        # without interaction. If `over` is not positive, such a spot would not touch, so its radius
+        # in the initial guess is small.
         radii[j] = first_radius(kinds[j].profile.line, over, scale) if over > 0 else 0.05 * scale
     while room(kinds, radii) < 0.1:
         radii *= 0.9
@@ -358,7 +365,9 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
 def _system(
     levels: Sequence[Level], lattice: Lattice | None, rings: float
 ) -> tuple[list[Kind], float]:
-    """The kinds of spots, and the number of rings of neighbours that keep their true positions."""
+    """The kinds of spots in a checked scene, and the number of rings of single neighbours.
+    The neighbours in these rings keep their true positions; farther ones act as a mean pressure.
+    """
     levels = list(levels)
     if not levels or not all(isinstance(level, Level) for level in levels):
         raise SceneError.of("levels", levels, "a sequence of one Level or more")
@@ -420,7 +429,7 @@ def _kinds(
 
 
 def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
-    """Raise SceneError if the sites of one level have different surroundings."""
+    """Raise SceneError if sites of one level see neighbours at different distances."""
     rows = [
         [np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view]
         for view in views

@@ -76,7 +76,7 @@ class NeighbourKernel:
         )
 
     def slope(self, y: ArrayLike) -> Array:
-        """Derivative K'(y) of the kernel."""
+        """Derivative K'(y) of the sum K(y) of 1/sqrt(D^2 - y^2) over the neighbours."""
         y = np.asarray(y, dtype=np.float64)
         far = np.polynomial.polynomial.polyval(
             (y / self.spacing) ** 2, 2 * np.arange(1, self.tail.size) * self.tail[1:]
@@ -89,7 +89,8 @@ class NeighbourKernel:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Neighbours of one kind around a spot: near ones as a sum, far ones as a mean pressure.
+    """Neighbours of one kind around a spot.
+    Near neighbours are a sum over single spots, far ones a mean pressure.
 
     kernel: the sum over single neighbours; None if there are none. circle: radius A outside which
     the mean pressure stands for the neighbours; 0 if all neighbours are summed.
@@ -100,7 +101,8 @@ class Surroundings:
     density: float = 0.0
 
     def outside(self, x: ArrayLike) -> Array:
-        """sqrt(A^2 - x^2) for x below the circle's radius A, else 0; minus A if `kernel` is given.
+        """Effect at x of a mean pressure outside a circle: sqrt(A^2 - x^2), or 0 for x >= A.
+        A is the radius of the circle. If `kernel` is given, A is subtracted.
 
         The constant of the kernel contains this A.
         """
@@ -129,15 +131,16 @@ class Surroundings:
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
-    """Neighbours on shifted lattices: single spots up to `cut` spacings, mean pressure beyond.
+    """Neighbours of a spot on shifted lattices, given by the `shifts`.
+    Neighbours up to `cut` lattice spacings away are single spots; farther ones are a mean pressure.
 
     If `cut` is infinite, all neighbours are single spots.
     """
     density = lattice.density * len(shifts)
     radii, counts = lattice.rings(shifts, min(cut, _NEAR_RINGS) if isinf(cut) else cut)
     near = radii <= _NEAR_RINGS
-    # For rings of radius D beyond the near ones, 1/sqrt(D^2 - y^2) is a series in y/D. `order`
-    # contains the exponents of the terms that exceed round-off.
+    # For each ring of neighbours that is wider than `_NEAR_RINGS`, of radius D, 1/sqrt(D^2 - y^2)
+    # is a series in y/D. `order` contains the exponents of the terms that exceed round-off.
     order = 2 * np.arange(ceil(log(EPS) / log(_NEAR_RINGS**-2)) + 1)
     powers = -(order + 1)
     # Coefficients B_k of the series 1/sqrt(1 - z) = sum_k B_k z^k.
@@ -166,9 +169,9 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
 def epstein(lattice: Lattice, shift: Site, s: int) -> float:
     """Sum Z(s; shift) of |R + shift|^(-s) over lattice points R, in units of spacing; s odd."""
     basis, cell = lattice.unit_basis, lattice.unit_area
-    # The direct sum extends to the radius `reach` sqrt(`cell`). The sum over reciprocal vectors
-    # extends at least to `reach` / sqrt(`cell`). Each omitted term is below about
-    # exp(-pi `reach`^2) = EPS^2.
+    # The sum over lattice points extends to the radius `reach` sqrt(`cell`). The sum over vectors
+    # of the reciprocal lattice extends at least to `reach` / sqrt(`cell`). Each omitted term is
+    # below about exp(-pi `reach`^2) = EPS^2.
     reach = (-2.0 * log(EPS) / pi) ** 0.5
     near = lattice.distances(shift, reach * cell**0.5)
     direct = gammaincc(0.5 * s, pi * near**2 / cell) * gamma(0.5 * s) * (pi * near**2) ** (-0.5 * s)

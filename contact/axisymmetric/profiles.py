@@ -83,11 +83,11 @@ class AxisymmetricProfile(sie.Kept):
 
     @cached_property
     def _octaves(self) -> Octaves:
-        """Series of r f'(r), used if its derivative (r f')' is not given in closed form."""
+        """Chebyshev series of r f'(r), needed if the derivative (r f')' has no closed form."""
         return Octaves(lambda r: r * self.slope(r))
 
     def derived_error(self, a: float) -> float:
-        """Error of p/E* in a spot of radius a that numerical derivatives of the shape cause.
+        """Error of p/E* in a spot of radius a, due to numerical derivatives of the shape f.
 
         p is the integral of (r f')' M(r, s)/pi, and M integrates to at most about pi/2 per octave.
         """
@@ -100,12 +100,14 @@ class AxisymmetricProfile(sie.Kept):
 
     @property
     def jumps(self) -> Array:
-        """Jump of the slope at each breakpoint; if it is not 0, the pressure there is infinite."""
+        """Jump of the slope f' at each breakpoint of the shape f.
+        Where a jump is not 0, the pressure is infinite.
+        """
         b = self.breakpoints
         return self.slope(np.nextafter(b, inf)) - self.slope(np.nextafter(b, 0.0))
 
     def edges(self, a: float = inf) -> list[tuple[float, float]]:
-        """Radius and jump of the slope of each edge inside the radius `a`."""
+        """(radius, jump of the slope f') of each edge of the shape f inside the radius `a`."""
         return [
             (b, jump)
             for b, jump in zip(self.breakpoints, self.jumps, strict=True)
@@ -113,7 +115,8 @@ class AxisymmetricProfile(sie.Kept):
         ]
 
     def pointed(self, a: float) -> bool:
-        """Whether the tip is pointed, f'(0+) > 0, as judged on the scale of a spot of radius a.
+        """Whether the tip is pointed: f'(0+) > 0.
+        The slope at the tip is compared with slopes inside a spot of radius a.
 
         The pressure at a pointed tip is infinite.
         """
@@ -181,8 +184,8 @@ def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
     far, near = np.maximum(r, s), np.minimum(r, s)
     whole = (a - near) * (a + near)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # `apart` is 0 at r = s, where the kernel is logarithmically infinite. The lower bound keeps
-        # the kernel finite. A quadrature node so close to r has a negligible weight.
+        # `apart` is 0 at r = s, where the kernel is logarithmically infinite. The lower bound 1e-33
+        # keeps the kernel finite. A quadrature node so close to r has a negligible weight.
         apart = np.maximum((far - near) * (far + near) / whole, 1e-33)
         value = (
             np.sqrt((a - far) * (a + far) / whole)
@@ -434,7 +437,9 @@ class Revolved(AxisymmetricProfile):
             self._called(field, np.array([0.25, 0.5]))
 
     def _called(self, field: str, r: Array) -> Array:
-        """The values of a user's function; SceneError unless it gives a real number per radius."""
+        """Values of a user's function at the radii r.
+        Raises SceneError unless the function gives one real number for each radius.
+        """
         value = np.asarray(getattr(self, field)(r))
         if value.dtype.kind not in "iuf" or value.shape not in ((), r.shape):
             raise SceneError.of(
@@ -477,7 +482,9 @@ class Revolved(AxisymmetricProfile):
 
 
 def as_profile(shape: Any) -> AxisymmetricProfile:
-    """A profile, unchanged; a function becomes a `Revolved` with this function as its height."""
+    """The argument if it is a profile.
+    A function f(r) becomes a `Revolved` profile with this height.
+    """
     if isinstance(shape, AxisymmetricProfile):
         return shape
     if callable(shape):

@@ -124,6 +124,7 @@ def solve_spot(
 
 def correction_share(ratio: float) -> float:
     """Share F(a/A) of a spot's load that is due to the nominal pressure on its surroundings.
+    a is the radius of the spot, A that of the circle whose area is the area per spot.
 
     F(q) = (2/pi)(arcsin q - q sqrt(1 - q^2)), with the radius a of the spot and A of its circle.
 
@@ -158,7 +159,8 @@ def correction_share(ratio: float) -> float:
 
 
 def first_step_load(profile: Any, E_star: float, density: float, spot_radius: float) -> float:
-    """Load of a spot of given radius in the first step of the localization.
+    """Load of a spot of a given radius, with its neighbours replaced by a mean pressure.
+    This is the first step of the localization method.
 
     The load is P_s = P_f(a)/(1 - F(a/A)); see the head of this module.
 
@@ -206,7 +208,9 @@ def first_step_load(profile: Any, E_star: float, density: float, spot_radius: fl
 
 
 def one_control(**given: float | None) -> tuple[str, float]:
-    """The name and value of the one control that is given; the value must be positive."""
+    """(name, value) of the control that is given, such as the load.
+    Raises SceneError unless exactly one is given, with a positive value.
+    """
     named = {name: value for name, value in given.items() if value is not None}
     if len(named) != 1:
         got = ", ".join(named) or "none"
@@ -216,7 +220,10 @@ def one_control(**given: float | None) -> tuple[str, float]:
 
 
 def ring_count(rings: Any, place: Lattice | Density | None) -> float:
-    """The number of rings, whole or inf; SceneError for a positive number without a lattice."""
+    """The number of rings of neighbours that are summed as single spots, whole or inf.
+    Raises SceneError for a positive number without a lattice, as the neighbours then have no
+    positions.
+    """
     count: float = inf if isinstance(rings, float) and rings == inf else integer("rings", rings)
     if count > 0 and not isinstance(place, Lattice):
         raise SceneError.of("rings", rings, "0 where no lattice says where the neighbours stand")
@@ -232,7 +239,8 @@ def _seen(place: Lattice | Density | None, rings: float) -> Surroundings:
     return surroundings(place, origin, place.cut(origin, rings))
 
 
-# Numbers of Gauss nodes that are tried one after another.
+# Numbers of Gauss nodes per spot that are tried one after another, until the solution stops
+# changing.
 NODES = (16, 32, 64, 128, 256)
 # Radii, relative to the spot's radius, at which the pressures of two successive numbers of nodes
 # are compared.
@@ -240,7 +248,9 @@ _PROBES = np.array([0.1, 0.5, 0.9])
 
 
 def settled(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterator[State]:
-    """Yield states for increasing numbers of nodes, each started from the previous state."""
+    """Yield solutions for increasing numbers of Gauss nodes.
+    Newton's method starts each solution from the radii of the previous one.
+    """
     for n in NODES:
         state = refine_topology(kinds, start, condition, n)
         start = state.radii
@@ -273,7 +283,9 @@ def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: f
 def refined(
     states: Iterable[State], spots_of: Callable[[State], list[Spot]], tol: float
 ) -> list[Spot]:
-    """The checked spots of the first state that differs by at most tol from the previous one."""
+    """The checked spots of the first solution that differs by at most tol from the previous one.
+    The solutions in `states` have increasing numbers of Gauss nodes.
+    """
     last: list[Spot] | None = None
     trace: list[float] = []
     for state in states:
@@ -294,7 +306,8 @@ def refined(
 
 
 def _difference(new: Spot, old: Spot) -> float:
-    """Largest relative change of load, radius and pressure from one solution to the next.
+    """Largest relative change of load, radius and pressure of a spot between two solutions.
+    The solutions have different numbers of Gauss nodes.
 
     Pressures are compared at equal r/a, relative to the mean.
     """
@@ -307,13 +320,14 @@ def _difference(new: Spot, old: Spot) -> float:
 
 
 def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
-    """The spot with its error, the largest of several estimates; NotConverged above `tol`.
+    """The spot with its stated error, the largest of several estimates.
+    Raises NotConverged if the error exceeds `tol`.
 
     They are the last change, the balance of load and pressure, and round-off.
     """
     spot.check()
-    # The penetration of a tiny spot is the difference of approach and depth. It has the round-off
-    # of both.
+    # The penetration of a tiny spot is the difference of two much larger numbers: the approach, and
+    # the depth of its tip below the highest tips. So it has the round-off of both.
     own = float(spot.profile.line(spot.radius))
     derived = spot.profile.derived_error(spot.radius) * spot.E_star / spot.mean_pressure
     error = max(

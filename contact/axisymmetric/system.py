@@ -44,7 +44,7 @@ _OPTIONS = RadiusOptions()
 
 @dataclass(frozen=True)
 class Kind:
-    """All spots that share a profile and a depth of the tips, with their density [1/m^2].
+    """A kind: all spots with the same profile and depth of the tips, and their number per area.
 
     around: the surroundings that the spots of every kind make for one of these.
     """
@@ -67,7 +67,9 @@ class Source:
     kernel: NeighbourKernel
 
     def value(self, x: Array) -> Array:
-        """The part of e(x) that these spots cause; e(x) is the effect of all neighbours at x."""
+        """The part of e(x) that spots of one kind cause.
+        e(x) is the effect of all neighbours at x.
+        """
         return both_sides(self.kernel.value, x, self.nodes) @ self.weighted / (2.0 * pi)
 
     def slope(self, x: Array) -> Array:
@@ -81,7 +83,9 @@ def both_sides(function: Callable[[Array], Array], x: Array, t: Array) -> Array:
 
 @dataclass(frozen=True)
 class Surface:
-    """Transform of the displacement under a spot due to all others, relative to the mean plane."""
+    """Effect of all other spots on the displacement under a spot, after the Abel transform.
+    It is relative to the mean plane.
+    """
 
     sources: tuple[Source, ...]
     nominal: tuple[tuple[float, Surroundings], ...]  # 2 N P/E* outside its circle
@@ -98,7 +102,8 @@ class Surface:
         )
 
     def kept_slope(self, x: ArrayLike) -> Array:
-        """Derivative of the part of `value` due to the neighbours that are summed one by one.
+        """Derivative of the effect of the single neighbours, a part of `value`.
+        The other part is due to the mean pressure of far neighbours.
 
         It is smooth up to the edges of these neighbours.
         """
@@ -107,7 +112,7 @@ class Surface:
 
 @dataclass(frozen=True)
 class State:
-    """The solution of the linear system for given radii.
+    """The forces, edge residuals and approach that solve the linear system for given radii.
 
     `forces` are P/E* and `edges` are w(a) of every kind, 0 without contact (head of this module).
     """
@@ -119,7 +124,8 @@ class State:
     surfaces: tuple[Surface, ...]
 
 
-# A side condition returns the last row of the system and the right-hand side of that row.
+# Type of a side condition: a function that returns the last row of the linear system, and the
+# right-hand side of this row.
 Condition = Callable[["Linear"], tuple[Array, float]]
 
 
@@ -141,21 +147,25 @@ class Linear:
         self.at_delta = len(self.active) * (m + 1)
         self.size = self.at_delta + 1
         # The transform w of the displacement is a smooth part minus g, the transform of the
-        # profile, which need not be smooth. `smooth`: nodes of the smooth part, and twice their
-        # weights. `rough`: nodes of g, and -2 g times their weights.
+        # profile, which need not be smooth. Each part has its own quadrature. `smooth`: nodes for
+        # the smooth part, and twice their weights. `rough`: nodes for g, and -2 g times their
+        # weights.
         self.smooth = {j: (radii[j] * self.unit, 2.0 * radii[j] * self.weight) for j in self.active}
         self.rough = {j: self._rough(j) for j in self.active}
         every = np.eye(self.size + 1)
         self.w = {j: self.displaced(j, self.smooth[j][0], every[self.at_e[j]]) for j in self.active}
 
     def _rough(self, j: int) -> tuple[Array, Array]:
-        """(nodes, -2 g times their weights), with the transform g of the profile."""
+        """(nodes, -2 g(node) times the weight) of the quadrature for the transform g of the
+        profile.
+        """
         a, profile = float(self.radii[j]), self.kinds[j].profile
         nodes, weights = panels([0.0, *(min(b, a) for b in profile.breakpoints), a])
         return nodes, -2.0 * weights * profile.line(nodes)
 
     def displaced(self, j: int, x: Array, e: Array) -> Array:
-        """Matrix rows for w_j(x) + g_j(x), the transforms of displacement and profile of kind j.
+        """Matrix rows for w_j(x) + g_j(x), the part of the transformed displacement that is smooth.
+        g_j is the transform of the profile of kind j.
 
         e: the rows for e_j(x), the effect of the neighbours.
         """
@@ -169,7 +179,7 @@ class Linear:
         return rows
 
     def e(self, j: int, x: Array) -> Array:
-        """Matrix rows for e_j(x), the effect of the neighbours on a spot of kind j."""
+        """Matrix rows for e_j(x), the effect of all single neighbours on a spot of kind j."""
         rows = np.zeros((x.size, self.size + 1))
         for i in self.active:
             kernel = self.kinds[j].around[i].kernel
@@ -180,7 +190,7 @@ class Linear:
         return rows
 
     def row(self, at: Mapping[int, float]) -> Array:
-        """A row with given coefficients at given indices, and zeros at all others."""
+        """A row of the matrix with given coefficients at given indices, and zeros elsewhere."""
         out = np.zeros(self.size)
         out[list(at)] = list(at.values())
         return out
@@ -193,8 +203,8 @@ class Linear:
             e = self.e(j, x)
             matrix[at], right[at] = -e[:, :-1], e[:, -1]
             matrix[at, at] += np.eye(x.size)
-            # The last equation of kind j gives its load P_j: P_j/E* is the integral of the
-            # transform w_j.
+            # The last equation of kind j gives the load P_j of one spot: P_j/E* is the integral of
+            # w_j, the transform of the displacement.
             matrix[row, row] = 1.0
             matrix[row, at] = weights
             matrix[row, self.at_delta] = -2.0 * a
@@ -210,8 +220,8 @@ class Linear:
         columns = 1.0 / np.max(np.abs(matrix * rows[:, None]), axis=0)
         matrix, right = matrix * rows[:, None] * columns, right * rows
         unknown = np.linalg.solve(matrix, right)
-        # The rows of a tiny spot have much smaller terms than other rows. One step of iterative
-        # refinement makes the error small in each row (Skeel 1980, doi
+        # The rows of the matrix that belong to a tiny spot have much smaller terms than other rows.
+        # One step of iterative refinement makes the error small in each row (Skeel 1980, doi
         # 10.1090/S0025-5718-1980-0572859-4).
         unknown += np.linalg.solve(matrix, right - matrix @ unknown)
         return self._state(columns * unknown)
@@ -263,12 +273,13 @@ def total_load(pressure_over_E: float) -> Condition:
 
 
 def force(kind: int, force_over_E: float) -> Condition:
-    """The condition that the load of one spot of a kind is given."""
+    """The side condition that each spot of one kind carries a given load."""
     return lambda linear: (linear.row({linear.at_force[kind]: 1.0}), force_over_E)
 
 
 def closed_edge(kind: int) -> Condition:
-    """The condition that w_j, the transform of a kind's displacement, is 0 at the spot's edge.
+    """The condition that w_j is 0 at the edge of a spot of kind j.
+    w_j is the transform of the displacement minus that of the profile.
 
     For radius 0 it says that the tip lies on the deformed surface and carries no load yet.
     """
@@ -284,12 +295,14 @@ def closed_edge(kind: int) -> Condition:
 
 
 def approach(delta: float) -> Condition:
-    """The condition that the approach delta is given."""
+    """The side condition that the approach of the surfaces equals delta."""
     return lambda linear: (linear.row({linear.at_delta: 1.0}), delta)
 
 
 def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n: int) -> State:
-    """The state with radii found by Newton's method; an initial radius 0 means no contact."""
+    """Solution of the system, with the radii of the spots found by Newton's method.
+    Spots whose initial radius is 0 stay out of contact.
+    """
     radii = np.array(start, dtype=np.float64)
     active = touching(radii)
     trace = []
@@ -303,8 +316,9 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
             # radius is doubled or halved.
             steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
             size = abs(state.delta) + kinds[j].depth
-            # The iteration also ends if the residual at every edge is only round-off of `size`, as
-            # happens for tiny spots.
+            # For tiny spots the step cannot fall below its tolerance. So the iteration also ends if
+            # the residual w(a) at every edge is only round-off of the approach and the depth
+            # (`size`).
             rounding &= bool(abs(state.edges[j]) <= 4 * EPS * size)
         steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
         trace.append(float(np.max(np.abs(steps[active] / radii[active]))))
@@ -316,8 +330,8 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
         if room(kinds, radii + steps) < 0.25 * room(kinds, radii):
             steps *= 0.5
         radii = radii + steps
-        # The spots are about to merge. Square roots of the room between them have lost half of
-        # their digits.
+        # The spots are about to merge. The room between them is so small that its square roots have
+        # lost half of their digits.
         if room(kinds, radii) < sqrt(EPS):
             raise OutOfRange(
                 "out of range: the spots would grow into their neighbours before this is reached"
@@ -328,7 +342,8 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
 
 
 def room(kinds: Sequence[Kind], radii: Array) -> float:
-    """Smallest of 1 - (sum of two spots' radii) / distance, and 1 - radius / `circle`.
+    """Relative room between the spots.
+    It is the least of 1 - (sum of two radii) / distance and of 1 - radius / `circle`.
 
     The number is at most 0 if two spots meet or a spot reaches its circle.
     """

@@ -27,7 +27,7 @@ Value = Any
 
 
 def column(value: Value) -> Value:
-    """The values for several loads as a column, to be combined with arrays (loads, positions).
+    """Values for several loads as a column, so that they combine with arrays (loads, positions).
 
     A single number is returned as it is.
     """
@@ -46,7 +46,7 @@ def largest(values: Array) -> Value:
 
 
 def choose(condition: Any, value: Value, other: Value) -> Value:
-    """The argument `value` where the condition holds, and `other` elsewhere."""
+    """Elementwise `value` where the condition holds, else `other`; numbers or arrays over loads."""
     if isinstance(condition, np.ndarray):
         return np.where(condition, value, other)
     return value if condition else other
@@ -65,7 +65,8 @@ class LineMap:
 
     @property
     def load_factor(self) -> float:
-        """Load divided by E*/2, for a unit integral of the solution Phi over y.
+        """Load divided by E*/2, if the solution Phi has the integral 1 over the mapped coordinate
+        y.
 
         It equals dx/dy times the weight w.
         """
@@ -75,18 +76,20 @@ class LineMap:
         return x if self.period is None else np.sin(x * (math.pi / self.period))
 
     def at(self, y: Value) -> tuple[Value, Value]:
-        """(position x that belongs to y, weight w = cos(pi x / period) at this position)."""
+        """(position x that the map takes to y, weight w = cos(pi x / period) at x)."""
         if self.period is None:
             return y, 1.0
         turn = np.arcsin(y)
         return turn * (self.period / math.pi), np.cos(turn)
 
     def weight(self, x: Value) -> Value:
-        """The weight w = cos(pi x / period) at the position x; 1 without a period."""
+        """The weight w = cos(pi x / period) at the position x. It is 1 without a period."""
         return 1.0 if self.period is None else np.cos(x * (math.pi / self.period))
 
     def rise(self, start: Value, distance: Value) -> Value:
-        """The difference y(start + distance) - y(start), accurate even for short distances."""
+        """The difference y(start + distance) - y(start) of mapped positions.
+        It has no cancellation for short distances.
+        """
         if self.period is None:
             return distance
         k = math.pi / self.period

@@ -36,15 +36,15 @@ from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate
 from contact.verify.law_checks import has_checks, held_to_law
 
-# If a larger fraction of the period is in contact, the general search is used. It solves for the
-# gap and so keeps the digits of the gap's width. The choice is uncritical, as results for limits
-# from 0.9 to 0.999 differ in those digits only.
+# If a larger fraction of the period is in contact, the general search is used instead of the closed
+# form. The search solves for the gap and so keeps the digits of the gap's width. The choice is
+# uncritical: results for limits from 0.9 to 0.999 differ in those digits only.
 WIDEST = 0.95
 _NOTE = "one zone: the signs of its series, inside and outside"
 
 
 def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
-    """The problem of one symmetric zone about x = 0; None if the scene is not of this kind."""
+    """The problem of one contact zone symmetric about x = 0; None if the scene has no such zone."""
     profile, law = scene.profile, scene.law
     tips = profile.summits
     if (
@@ -61,8 +61,8 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
     limit = math.inf if profile.period is None else 0.5 * profile.period
     corner = None
     if profile.support is not None:
-        # Between corners only a flat profile under a given load has a closed form here. All other
-        # profiles with corners are left to the general search.
+        # If the zone ends at corners, only a flat profile under a given load has a closed form
+        # here. All other profiles with corners are left to the general search.
         if not scene.is_flat or scene.given_load is None:
             return None
         corner = profile.support[1]
@@ -79,7 +79,8 @@ def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
 
 
 def _may_be_one_zone(scene: Scene, tips: list[float]) -> bool:
-    """Whether the contact may be one symmetric zone, about a tip or about two symmetric tips.
+    """Whether the contact may be one zone symmetric about 0, for a profile with these tips.
+    That is so for one tip at 0, or two at equal distances from 0.
 
     About two tips it is one zone only if two zones have merged. The signs of pressure and gap tell
     this if the load or the approach is given. A given width may also be that of two zones.
@@ -92,12 +93,12 @@ def _may_be_one_zone(scene: Scene, tips: list[float]) -> bool:
 
 
 def why_not_closed(law: Law, E_star: float) -> str:
-    """The reason why a scene under this law was not solved in closed form."""
+    """The reason why a scene with this contact law was not solved in closed form."""
     return _refusal(law, E_star) or "the closed form is for one symmetric zone of a half-plane"
 
 
 def _refusal(law: Law, E_star: float) -> str:
-    """The reason why a law has no closed form, as a message; empty if it has one."""
+    """The reason why a contact law has no closed form, as a message; empty if it has one."""
     if law.routes.module is not None:
         return f"the law {law.name} is solved by {law.routes.module}"
     if not law.equilibria.unique:
@@ -170,7 +171,7 @@ def solve_all_closed(scenes: Sequence[Scene], tol: float) -> list[Solution | Non
 
 
 def _judged(zone: ClosedZone, tol: float) -> tuple[Any, Value, Value]:
-    """(whether the zone is certified within tol; stated error; least sampled gap)."""
+    """(whether a zone's signs are certified within tol, stated error, least sampled gap)."""
     problem = zone.problem
     holds, gap = signs(zone)
     error = stated(zone)

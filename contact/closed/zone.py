@@ -27,8 +27,8 @@ from sie import Array, Mask, record
 
 # Relative round-off of a sum of a few terms.
 SUM_ROUND_OFF = 4 * EPS
-# Half lengths below this number lose digits, since they are close to the smallest normal
-# floating-point number.
+# A zone whose half length is below this number loses digits, since such numbers are close to the
+# smallest normal floating-point number.
 SMALLEST = float(np.finfo(float).tiny) / EPS
 
 
@@ -37,11 +37,11 @@ class OneZoneOptions:
     """Options of Newton's method on the half length of a zone, and of the samples around it."""
 
     # Number of decades in which a half length, or a position outside the zone, is searched if
-    # nothing limits it. Loads of still narrower zones are lost in round-off, and no gap closes
-    # still farther away.
+    # nothing limits it. The loads of zones that are narrower are lost in round-off. A gap does not
+    # close again at positions that are farther away.
     decades: int = 12
-    # Number of half lengths that are scanned in each decade; the controlled quantity varies
-    # smoothly.
+    # Number of half lengths of a zone that are scanned in each decade. The load or approach that is
+    # controlled varies smoothly with the half length.
     points_per_decade: int = 4
     # Number of samples of the gap next to the zone. Farther from the zone, each decade of the
     # distance gets the same number of samples.
@@ -51,8 +51,8 @@ class OneZoneOptions:
     finer: int = 4  # factor to the next number of nodes if the series is not resolved
     max_nodes: int = 512  # contact over 0.95 of a period, the widest taken, needs some 250
     max_steps: int = 60  # five are usual; a load that no zone carries uses all of them
-    # The number of nodes is raised only after a Newton step in ln h, with h the half length, below
-    # this value. The series is then nearly that of the solution.
+    # The number of nodes is raised only if the last Newton step in ln h was below this value, where
+    # h is the half length of the zone. The series is then nearly that of the solution.
     refine_below: float = 0.1
 
 
@@ -75,17 +75,21 @@ class OneZoneProblem:
 
     @cached_property
     def top(self) -> float:
-        """The largest possible half length h of the zone on the line y of `LineMap`."""
+        """Upper limit of the half length h of the zone, in the mapped coordinate y of `LineMap`."""
         return float(self.map.y(self.limit)) if math.isfinite(self.limit) else math.inf
 
     def slopes(self, y: Array) -> Array:
-        """The right side G = (slope f' without the kink's part) / (weight w) at y."""
+        """The right side G(y) of the equation for one zone, at points y of the mapped line.
+        G is (profile slope f' without the jump at the kink) / (weight w of the map).
+        """
         x, weight = self.map.at(y)
         slope = np.asarray(self.profile.slope(x), dtype=np.float64)
         return np.asarray((slope - 0.5 * self.kink) / weight)
 
     def kink_load(self, half: Value) -> tuple[Value, Value]:
-        """(load that the kink adds, divided by E*/2; derivative of this ratio by `half`)."""
+        """(load due to the profile's kink divided by E*/2, derivative of this ratio by `half`).
+        `half` is the half length of the zone.
+        """
         if self.kink == 0.0:
             return 0.0, 0.0
         if self.map.period is None:
@@ -94,13 +98,15 @@ class OneZoneProblem:
         return factor * np.arctanh(half), factor / ((1.0 - half) * (1.0 + half))
 
     def mean_height(self, half: Value) -> Value:
-        """Mean of the height f - min f [m] over the zone, with respect to the angle arccos t."""
+        """Mean over the zone of the height above the lowest point, f - min f [m].
+        It is a mean over the angle arccos t, with t from -1 to 1 on the zone.
+        """
         t, weights = _quarter_turn()
         height = np.asarray(self.profile.height(self.map.at(column(half) * t)[0]))
         return (height - lowest(self.profile)).dot(weights)
 
     def even_level(self, half: Value, datum: float | None) -> Value:
-        """Logarithmic potential, on the zone, of a unit load that displaces the zone uniformly.
+        """Logarithmic potential on the zone, under the unit load that displaces the zone uniformly.
 
         It is -pi E*/2 times the compliance of the fixed zone.
         """
@@ -132,18 +138,20 @@ class ClosedZone:
     found: Value
 
     def rows(self, chosen: Mask | int) -> "ClosedZone":
-        """The zone for the chosen loads, or for one chosen load."""
+        """The solutions for the chosen loads only, or for one chosen load."""
         names = ("half_width", "half", "g", "tail", "end_error", "punch", "found")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
     @property
     def first(self) -> Value:
-        """The first coefficient g_1 of the Chebyshev series, which gives the load."""
+        """The coefficient g_1 of the zone's Chebyshev series, which gives the load.
+        It is 0 for an empty series.
+        """
         return self.g[..., 0] if self.g.shape[-1] else 0.0
 
     @cached_property
     def sums(self) -> tuple[Value, Value, Value]:
-        """Sums over the coefficients g_k of the series: of |g_k|, of k |g_k|, and of k^2 |g_k|."""
+        """Sums of |g_k|, k |g_k| and k^2 |g_k| over the Chebyshev coefficients g_k."""
         plain, once, twice = np.abs(self.g).dot(powers(self.g.shape[-1])).T
         return plain, once, twice
 
@@ -154,7 +162,9 @@ class ClosedZone:
 
     @property
     def growth(self) -> Value:
-        """Outward motion [m] of an end for each unit of ln(load); 0 at corners."""
+        """Derivative of an end of the zone, outward [m], by ln(load).
+        It is 0 if the zone ends at corners.
+        """
         problem, way = self.problem, self.problem.map
         if problem.corner is not None:
             return 0.0 * self.half
@@ -169,9 +179,9 @@ class ClosedZone:
         return self.problem.map.load_factor * smooth + self.problem.kink_load(self.half)[0]
 
 
-# Function of (half length h, load divided by E*/2, derivative of this load by h). With X the
-# controlled load or approach, it returns (ln(wanted X / present X), d ln X / d ln h, round-off of
-# ln X).
+# Type of the equation that Newton's method solves. Its arguments are the half length h, the load
+# divided by E*/2 and the derivative of this load by h. With X the load or approach that is
+# controlled, it returns (ln(wanted X / present X), d ln X / d ln h, round-off of ln X).
 Residual = Callable[[Value, Value, Value], tuple[Value, Value, Value]]
 
 
@@ -202,8 +212,8 @@ def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | No
         )
         return np.log(approach / present), give * half * rate / present, lost
 
-    # Without a period, the approach grows with the half width up to about twice the datum, and
-    # falls for wider zones.
+    # Without a period, the approach grows with the half width of the zone up to about twice the
+    # datum (the length that fixes the constant of the displacement), and falls for wider zones.
     longest = min(problem.top, math.inf if datum is None else datum)
     return _newton(problem, 0.25 * longest, residual)
 
@@ -219,7 +229,7 @@ def zone_of_width(problem: OneZoneProblem, half_width: float) -> ClosedZone:
 
 
 def _punch(problem: OneZoneProblem, corner: float, loads: Value) -> ClosedZone:
-    """The zone of a flat punch, which reaches from corner to corner."""
+    """The contact zone of a flat punch, which extends from one corner to the other."""
     zero = 0.0 * loads
     half = problem.map.y(zero + corner)
     punch = loads / (problem.map.load_factor * math.pi * half)
@@ -230,7 +240,8 @@ def _punch(problem: OneZoneProblem, corner: float, loads: Value) -> ClosedZone:
 def _newton(
     problem: OneZoneProblem, half: Value, residual: Residual, options: OneZoneOptions = OPTIONS
 ) -> ClosedZone:
-    """The zone by Newton's method for the logarithm of the half length, for all loads at once.
+    """Contact zones for all loads at once, by Newton's method.
+    Its unknown is the logarithm of the half length of a zone.
 
     In logarithms a power law between load and width is linear. The number of nodes is raised until
     the series is resolved.
@@ -253,8 +264,8 @@ def _newton(
         if everywhere(done | fails):
             break
         # Newton's method converges quadratically. After a step below the square root of round-off,
-        # the next step would be below round-off. The next step is left out if the series is
-        # resolved.
+        # the next step would be below round-off. So the iteration ends here if the Chebyshev series
+        # is also resolved.
         settled = abs(move) <= math.sqrt(EPS)
         if not everywhere(fails | resolved | (abs(move) > options.refine_below)):
             size *= options.finer
@@ -262,12 +273,13 @@ def _newton(
                 break
         longer = half * np.exp(move)
         longer = choose(longer >= problem.top, 0.5 * (half + problem.top), longer)
-        # `half` stays as it is if no floating-point number lies between `half` and `top`.
+        # `half` (the half length of the zone) stays as it is if no floating-point number lies
+        # between `half` and `top`, its upper limit.
         half = choose(fails | (longer >= problem.top), half, longer)
     g = values.dot(nodal.matrix)
     size_of = np.abs(g) / column(scale)
-    # All coefficients after the last one above round-off are dropped. No coefficient
-    # is left if the kink alone makes up the slope.
+    # All coefficients after the last one above round-off are dropped. If the kink of the profile
+    # makes up its whole slope, no coefficient remains.
     above = ((size_of if size_of.ndim == 1 else size_of.max(axis=0)) > EPS).nonzero()[0]
     count = int(above[-1]) + 1 if len(above) else 0
     tail = tail + (size - count) * EPS * scale

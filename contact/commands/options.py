@@ -43,17 +43,19 @@ AS_JSON = click.option(
 
 
 def save_option(text: str) -> Callable[[Any], Any]:
-    """The option --save of a command."""
+    """Decorator that adds the option --save to a command; `text` is the help of the option."""
     return _file_option("--save", "save", "OUT.nc", text)
 
 
 def csv_option(text: str, option: str = "--csv", name: str = "table") -> Callable[[Any], Any]:
-    """The option --csv of a command, or another one that names a CSV file."""
+    """Decorator that adds the option --csv, or another option that names a CSV file.
+    `text` is the help of the option.
+    """
     return _file_option(option, name, "OUT.csv", text)
 
 
 def plot_option(text: str) -> Callable[[Any], Any]:
-    """The option --plot of a command."""
+    """Decorator that adds the option --plot to a command; `text` is the help of the option."""
     return _file_option("--plot", "figure", "OUT.png", text)
 
 
@@ -77,7 +79,9 @@ def _standard_input() -> bytes:
 
 
 def scene_and_tangential_of(name: Path) -> tuple[Scene, Tangential]:
-    """The scene of a file, or of standard input for "-", with its table [tangential]."""
+    """The scene of a file, and its table [tangential] (friction and tangential load).
+    If the name is "-", both are read from standard input.
+    """
     if str(name) == "-":
         tables, place, folder = read_tables(_standard_input(), "standard input"), "", Path()
     else:
@@ -126,8 +130,8 @@ class Outputs:
         self._writers: dict[Path, Write] = {}
 
     def add(self, option: str, path: Path | None, writers: Mapping[str, Write]) -> None:
-        """Add an output file and the function that writes it, selected by the file's ending. If
-        `path` is None, nothing is added.
+        """Add an output file, with the function that writes files of its ending (such as .csv).
+        If `path` is None, nothing is added.
         """
         if path is None:
             return
@@ -172,8 +176,9 @@ _MAX_VALUES = 100_000
 
 
 def values_of(option: str, text: str) -> Array:
-    """The values of a text A:B:N (evenly spaced), A:B:N:log (evenly spaced logarithms) or of
-    numbers separated by commas.
+    """The values of a text from the command line.
+    The text is A:B:N (N evenly spaced values), A:B:N:log (evenly spaced logarithms) or numbers
+    separated by commas.
 
     A and B are among the values.
     """
@@ -196,7 +201,9 @@ def values_of(option: str, text: str) -> Array:
 
 
 def _between(parts: list[str]) -> Array:
-    """The values of a range A:B:N or A:B:N:log from its `parts`; empty if the parts are invalid."""
+    """Values of a range A:B:N or A:B:N:log; empty if invalid.
+    `parts` are the texts between the colons.
+    """
     logarithmic = len(parts) == 4 and parts[3] == "log"
     first, last, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) > 2 else 0
     if (

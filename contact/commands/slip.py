@@ -55,7 +55,7 @@ def slip_command(
     quiet: bool,
     tol: float,
 ) -> None:
-    """Solve a SCENE with a table [tangential], and print what sticks and what slips.
+    """Solve a SCENE with a table [tangential], and print the zones that stick and that slip.
 
     The table has friction, and load [N/m] or creepage; model is "partial slip" or "rolling".
     """
@@ -74,7 +74,7 @@ def slip_command(
 
 
 def _slip(solution: Solution, given: Tangential, tol: float) -> Any:
-    """The `contact.Slip` of a solution, for the friction and the load that `given` holds."""
+    """Solve for stick and slip, given the normal contact and the table [tangential] of a scene."""
     if given.model == "rolling":
         rolls = given.friction, given.load, given.creepage, given.leading
         return require(_ROLLING).rolling(solution, *rolls, tol=tol)
@@ -83,7 +83,9 @@ def _slip(solution: Solution, given: Tangential, tol: float) -> Any:
 
 
 def _show(slip: Any, seconds: float, rows_shown: int = 20) -> None:
-    """Print a slip as tables; of what sticks and slips, only the `rows_shown` widest are listed."""
+    """Print the slip solution as tables.
+    Only the `rows_shown` widest zones that stick or slip are listed.
+    """
     show_profile(slip.solution.scene.profile)
     report = require(_REPORT)
     rows = [*report.numbers(slip), ("time", quantity(seconds, "s", 3), "")]

@@ -25,15 +25,17 @@ Function = Callable[[Array], Array]
 
 
 class MovedPlaces(Exception):
-    """A parameter moves the places of kinks, jumps or corners of a profile."""
+    """A parameter moves kinks, jumps or corners of a profile. So differences of heights fail."""
 
 
-# Step of differences by a parameter over the parameter. Their round-off, EPS over the step, is
-# 1e-13. Their truncation is the eighth power of the step times the relative change by the
-# parameter: 1e-11 for |x|^n, whose exponent n changes it by the factor ln|x|, where |x| is 1e-4.
+# Step of the differences by a parameter, divided by the parameter. Their round-off, EPS divided by
+# this step, is 1e-13. Their truncation is the eighth power of (this step times the relative change
+# of a height by the parameter). It is 1e-11 for |x|^n at |x| = 1e-4, where the exponent n changes
+# the height by the factor ln|x|.
 STEP = EPS ** (1 / 6)
-# Steps over the parameter if the profile is linear in it. The difference is exact then, and its
-# round-off is the smaller, the larger the step; values far away may not be allowed.
+# Steps of the differences, divided by the parameter, for a profile that is linear in the parameter.
+# The difference is then exact, and a larger step gives less round-off. The smaller step is for
+# parameters for which a value far away is not allowed.
 LINEAR_STEPS = (2.0**10, 0.5)
 
 # Weights of the central difference of order 8 at the steps 1, 2, 3, 4 (B. Fornberg, Math. Comp. 51,
@@ -43,7 +45,7 @@ WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 
 @dataclass(frozen=True, eq=False)
 class Given(Profile):
-    """A smooth change of the heights, by functions of x."""
+    """A smooth change of a profile's heights, given by functions of x for height and slope."""
 
     dheight: Function
     dslope: Function
@@ -60,7 +62,8 @@ class Given(Profile):
 
 @dataclass(frozen=True, eq=False)
 class Direction(Profile):
-    """The sum of weights times profiles, in the cell of the profile `like`.
+    """A change of a profile, as a sum of weights times other profiles.
+    The change has the period and the corners of the profile `like`.
 
     stretch: places x of the cell stand for the places x times one of these factors in the parts,
     see `by_period`.
@@ -77,7 +80,7 @@ class Direction(Profile):
 
     @classmethod
     def given(cls, like: Profile, dheight: Any, dslope: Any) -> Direction:
-        """The change with the given height and slope, or that which a profile describes."""
+        """A change of heights that the user gives: functions for height and slope, or a profile."""
         if isinstance(dheight, Profile):
             if dslope is not None:
                 raise SceneError.of("dslope", dslope, "left out if dheight is a contact.Profile")
@@ -94,12 +97,12 @@ class Direction(Profile):
 
     @classmethod
     def itself(cls, like: Profile) -> Direction:
-        """The change of a profile whose heights grow in proportion."""
+        """The change in which all heights of the profile `like` grow in proportion."""
         return cls(like, (like,), (1.0,))
 
     @classmethod
     def none(cls, like: Profile) -> Direction:
-        """No change."""
+        """The change that is zero everywhere."""
         return cls(like, (), ())
 
     @property
@@ -133,7 +136,7 @@ class Direction(Profile):
 
     @property
     def is_round_off(self) -> bool:
-        """Whether the change is zero but for the round-off of its parts."""
+        """Whether the change differs from a constant only by round-off of its parts."""
         x = places_of(self.like)
         parts = [np.asarray(part.height(x)) for part in self.parts]
         sizes = (
@@ -144,7 +147,9 @@ class Direction(Profile):
         return float(np.ptp(height[np.isfinite(height)])) <= TOLERANCES.apart_rounding * sum(sizes)
 
     def _sum(self, x: ArrayLike, of: Callable[[Profile, Array], Array], power: int) -> Array:
-        """Sum over the parts of weight * stretch**power * of(part, stretched x)."""
+        """Sum of weight * stretch**power * of(part, stretched x) over the parts.
+        The exponent `power` is the order of the derivative.
+        """
         at = np.asarray(x, dtype=float)
         out = np.zeros(at.shape)
         factors = self.stretch or (1.0,) * len(self.parts)
@@ -187,7 +192,9 @@ class Direction(Profile):
         return np.concatenate([np.empty((0, 4)), *tables])
 
     def _rows(self, of: Callable[[Profile], Array], same: tuple[int, ...], value: int) -> Array:
-        """Rows of place and jump, summed over the parts; `same`: columns that all parts share."""
+        """Table with the place and the jump of each kink (or jump) of the change.
+        The jumps are summed over the parts; `same` are the columns that all parts share.
+        """
         tables = [np.array(of(part), dtype=float) for part in self.parts]
         width = value + 1
         if not tables:
@@ -207,7 +214,7 @@ class Direction(Profile):
 
     @classmethod
     def by_parameter(cls, profile: Profile, to: Parameter, x: Array) -> tuple[Direction, float]:
-        """The derivative of the heights at fixed x by one parameter, and its relative error.
+        """Derivative of the heights at fixed x by one parameter, and its relative error.
 
         x: places [m] at which changes are compared.
 
@@ -249,7 +256,9 @@ class Direction(Profile):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a profile: its table, its name, and the index in it if it is an array."""
+    """A parameter of a profile: its table in a scene file, its name there, and an index.
+    The index is None unless the parameter is an array.
+    """
 
     table: str
     name: str
@@ -274,12 +283,16 @@ class _Varied:
 
     @cached_property
     def size(self) -> float:
-        """The size of the parameter, over which steps are counted."""
+        """The size of the parameter, by which the relative step of a difference is multiplied.
+        Of an array it is the largest entry, and it is 1 if all entries are 0.
+        """
         largest = float(np.abs(np.asarray(self.value, dtype=float)).max())
         return abs(self.at) if self.to.index is None and self.at else largest or 1.0
 
     def stencil(self, kind: type[Direction], weights: tuple[float, ...], step: float) -> Direction:
-        """The central difference with these weights at steps 1, 2, ... times `step`."""
+        """The derivative by the parameter, as a central difference with these weights.
+        The steps are 1, 2, ... times `step` times the size of the parameter.
+        """
         parts, factors, h = [], [], step * self.size
         for k, weight in enumerate(weights, 1):
             for sign in (1.0, -1.0):
@@ -299,7 +312,9 @@ class _Varied:
 
 
 def _differ(one: Direction, other: Direction, x: Array) -> float:
-    """Largest relative difference of two changes at places x, apart from a constant."""
+    """Relative difference of two changes of the heights, as the largest over the places x.
+    A constant difference is not counted, since it does not change a contact.
+    """
     with np.errstate(all="ignore"):
         first, second = one.height(x), other.height(x)
     known = np.isfinite(first) & np.isfinite(second)
@@ -327,7 +342,7 @@ def places_of(profile: Profile, zones: Array | None = None) -> Array:
 
 
 def _same_places(like: Profile, places: list[Array]) -> None:
-    """Raise MovedPlaces unless all parts have their kinks or jumps at the same places."""
+    """Raise MovedPlaces unless all parts of a sum have kinks or jumps at the same places."""
     if len({len(at) for at in places}) > 1:
         raise MovedPlaces
     known = like.known

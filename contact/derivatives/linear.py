@@ -31,7 +31,8 @@ from sie import Array, record
 
 @record
 class Change:
-    """Derivatives of the numbers of a solution by one parameter, with errors, and of its pressure.
+    """Derivatives of the results of a solution by one parameter, with their errors.
+    The derivative of the pressure is a function of x.
 
     values, errors: of the numbers. pressure: derivative of the pressure at fixed x.
     """
@@ -41,7 +42,7 @@ class Change:
     pressure: Callable[[Array], Array]
 
     def plus(self, other: Change, factor: float) -> Change:
-        """This change plus `factor` times another one."""
+        """Sum of this derivative and `factor` times another one."""
         first, second = self.pressure, other.pressure
         return Change(
             self.values + other.values * factor,
@@ -50,13 +51,13 @@ class Change:
         )
 
     def times(self, factor: float) -> Change:
-        """The change by a parameter of which the present one is `factor` times as large."""
+        """This change times `factor`: the derivative by the parameter divided by `factor`."""
         first = self.pressure
         return Change(self.values * factor, self.errors * abs(factor), lambda x: factor * first(x))
 
 
 class Linearized(sie.Kept):
-    """The linear equations for the derivatives of one solution."""
+    """The linear equations for the derivatives of one contact solution by its parameters."""
 
     def __init__(
         self,
@@ -79,12 +80,12 @@ class Linearized(sie.Kept):
 
     @cached_property
     def tips(self) -> Array:
-        """Places of the lowest height [m]."""
+        """Places x [m] at which the height of the profile is lowest."""
         return lowest(self.solution)
 
     @cached_property
     def values(self) -> Numbers:
-        """The numbers of the solution."""
+        """The results of the solution whose derivatives are computed, such as approach and load."""
         stress = np.zeros(0) if self.stress is None else self.stress.values
         found = values(self.solution, len(self.peaks), len(self.tips), stress)
         if self.tops is None:
@@ -93,7 +94,9 @@ class Linearized(sie.Kept):
 
     @cached_property
     def variants(self) -> tuple[Fields, ...]:
-        """The fields, and those on zones moved by the stated error in two ways."""
+        """Fields of the solution, and two copies with zone ends moved by the stated error.
+        Their derivatives show how sensitive the results are to errors of the ends.
+        """
         fields, error = self.solution.fields, self.solution.error
         if not isinstance(fields, (ZoneFields, GapFields)) or not self.stated:
             return (fields,)
@@ -114,16 +117,18 @@ class Linearized(sie.Kept):
 
     @cached_property
     def by_load(self) -> Change:
-        """The derivative by the load [N/m]."""
+        """The derivative of the results by the load [N/m]."""
         return self.along(Direction.none(self.solution.scene.profile), 1.0)
 
     @cached_property
     def by_moment(self) -> Change:
-        """The derivative by a given moment [N], at fixed load."""
+        """The derivative of the results by the moment [N] that is given, at fixed load."""
         return self.along(Direction.none(self.solution.scene.profile), 0.0, 1.0)
 
     def along(self, direction: Profile, load: float = 0.0, moment: float = 0.0) -> Change:
-        """The derivative along a change of the profile and of the load."""
+        """The derivative of the results as the profile changes along `direction`.
+        `load` and `moment` are the rates at which load and moment change with it.
+        """
         found = [self._numbers(one, direction, load, moment) for one in self.variants]
         numbers, rate = found[0]
         errors = self._noise(rate, numbers)
@@ -156,7 +161,8 @@ class Linearized(sie.Kept):
         return numbers, rate
 
     def _stiffness(self, fields: Fields, rate: Rate) -> float:
-        """Derivative of the stiffness S: a moved end adds -2 pi k^2 / E* to the compliance 1 / S.
+        """Derivative of the stiffness S.
+        If an end moves outward, the compliance 1/S falls at the rate 2 pi k^2/E*.
 
         k is the intensity of the derivative of p by the load. By reciprocity the compliance falls
         at the rate at which a crack releases energy (G. R. Irwin, J. Appl. Mech. 24, 1957, 361).
@@ -170,7 +176,9 @@ class Linearized(sie.Kept):
         return stiffness**2 * softer
 
     def _intensities(self, fields: Fields) -> Array:
-        """Intensities at the ends (n, 2) of the derivative of the pressure by the load."""
+        """Intensities (n, 2) of the derivative of the pressure by the load, at the ends of n zones.
+        An intensity is the factor of the inverse square root of the distance from the end.
+        """
         known: dict[int, Array] = self.__dict__.setdefault("_by_load", {})
         if id(fields) not in known:
             none = Direction.none(self.solution.scene.profile)
@@ -178,7 +186,9 @@ class Linearized(sie.Kept):
         return known[id(fields)]
 
     def _noise(self, rate: Rate, numbers: Numbers) -> Numbers:
-        """Errors that the equation for the derivative has, and the relative error of the rest."""
+        """Errors of the derivatives, apart from the effect of errors of the zone ends.
+        They are due to the equation for the derivatives, and to relative errors of the results.
+        """
         fields = self.solution.fields
         units, relative = fields.problem.units, self.solution.error
         noise, errors = rate.noise, abs(numbers) * (2 * relative)

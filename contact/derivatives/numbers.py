@@ -16,7 +16,7 @@ Value = float | Array
 
 @record
 class Numbers:
-    """Numbers of a contact, in SI units; nan where one is not defined or not known.
+    """Results of a contact, in SI units; nan for results that are not defined or not known.
 
     approach, max_pressure and max_stress are tables: one entry for each lowest place of the profile
     and each place of the largest pressure and of the largest stress. Where entries of a derivative
@@ -35,7 +35,7 @@ class Numbers:
 
     @classmethod
     def of_degrees(cls, numbers: Numbers, degrees: Mapping[str, float]) -> Numbers:
-        """Each number times its degree; a number that is not named has the degree 0."""
+        """Each result times its degree in `degrees`; results that are not named there become 0."""
         names = [one.name for one in fields_of(cls)]
         return cls(**{n: getattr(numbers, n) * degrees.get(n, 0.0) for n in names})
 
@@ -56,7 +56,9 @@ class Numbers:
         return Numbers(**{n: of(getattr(self, n), getattr(other, n)) for n in names})
 
     def largest(self, name: str) -> Value:
-        """The number by name; for tables over several places, the largest entry."""
+        """The result of this name.
+        Of results at several places, such as `approach`, it is the largest.
+        """
         value = getattr(self, name)
         if name in ("approach", "max_pressure", "max_stress"):
             return float(np.max(value)) if np.size(value) else np.nan
@@ -64,7 +66,9 @@ class Numbers:
 
 
 def values(solution: Solution, peaks: int, tips: int, max_stress: Array) -> Numbers:
-    """The numbers of a solution, with tables of these lengths and of the largest stress."""
+    """The results of a solution as `Numbers`.
+    `peaks` and `tips` are the numbers of places with the largest pressure and the lowest height.
+    """
     missing = np.nan
     fraction, gap = solution.contact_fraction, solution.mean_gap
     approach, stiffness = solution.approach, solution.stiffness

@@ -22,13 +22,14 @@ from contact.solution.solution import Solution
 from contact.verify.minima import SAMPLING
 from sie import Array
 
-# Half width, over the shortest length, of the window in which the place of a maximum is corrected
-# by a polynomial of degree 5. Its truncation, the fifth power, is then as small as round-off.
+# Half width of the window in which the place of a maximum is refined by a polynomial of degree 5,
+# divided by the shortest length over which the function varies. The truncation error is its fifth
+# power, and so as small as round-off.
 WINDOW = EPS ** (1 / 5)
 
 
 def peaks(solution: Solution) -> Array:
-    """Places of the largest pressure [m] (k,); empty if it is infinite or reaches a plateau."""
+    """Places [m] (k,) of the largest pressure; empty if it is infinite or reached on a plateau."""
     profile = solution.scene.profile
     x = _samples(solution)
     if len(x) == 0:
@@ -90,7 +91,7 @@ def tops(solution: Solution, most: int) -> Array:
 
 
 def lowest(solution: Solution) -> Array:
-    """Places of the lowest heights of the profile [m] (k,)."""
+    """Places [m] (k,) at which the height of the profile is lowest."""
     profile, zones = solution.scene.profile, solution.zones
     if profile.summits is not None:
         at = np.asarray(profile.summits, dtype=float)
@@ -116,7 +117,9 @@ def _kinks(profile: Profile) -> Array:
 
 @dataclass(frozen=True)
 class Window:
-    """Intervals in which maxima lie, the shortest length, places of cusps, and the error."""
+    """Data for refining the place of a maximum: intervals, shortest length, cusps and error.
+    Each maximum lies in one of the intervals.
+    """
 
     ends: Array
     shortest: float
@@ -124,14 +127,14 @@ class Window:
     error: float
 
     def size(self, place: float) -> float:
-        """Half width of the window around a place."""
+        """Half width of the window around a place in which a maximum is refined."""
         widths = self.ends[:, 1] - self.ends[:, 0]
         inside = (self.ends[:, 0] <= place) & (place <= self.ends[:, 1])
         width = float(widths[inside].min()) if inside.any() else float(widths.min())
         return WINDOW * min(width, self.shortest)
 
     def corrected(self, function: Callable[[Array], Array], place: float) -> float:
-        """The place at which the derivative of a function vanishes, near a place of its maximum."""
+        """The place of a maximum, where the derivative is 0, refined from a nearby place."""
         half = self.size(place)
         if len(self.cusps):
             nearest = float(self.cusps[int(np.argmin(np.abs(self.cusps - place)))])
