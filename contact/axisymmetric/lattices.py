@@ -105,7 +105,7 @@ class Lattice:
 
     @property
     def unit_basis(self) -> Array:
-        """The two basis vectors as rows, in units of the spacing."""
+        """The two basis vectors of the lattice, divided by its spacing, as the rows of a matrix."""
         raise NotImplementedError(f"{type(self).__name__} must define unit_basis")
 
     @property
@@ -127,8 +127,9 @@ class Lattice:
         The shift is in fractions of the basis vectors.
         """
         basis = self.unit_basis
-        # The cell indices of a point within `reach` are at most `reach` times the norms of the
-        # inverse basis's columns. The margin of 2 allows for the shift.
+        # If a lattice point is within the distance `reach` of the origin, its cell indices are at
+        # most `reach` times the norms of the inverse basis's columns. The margin of 2 allows for
+        # the shift.
         count = np.ceil(reach * np.linalg.norm(np.linalg.inv(basis), axis=0)).astype(int) + 2
         i, j = np.meshgrid(*(np.arange(-n, n + 1) for n in count), indexing="ij")
         points = np.stack([i.ravel() + shift[0], j.ravel() + shift[1]], axis=1) @ basis
@@ -136,12 +137,13 @@ class Lattice:
         return length[(length > ROUND_OFF) & (length <= reach * (1 + ROUND_OFF))]
 
     def neighbours(self, rings: int) -> tuple[Array, NDArray[np.int64]]:
-        """Radii [m] of the first `rings` rings, and the number of spots on each ring."""
+        """(radii [m], numbers of spots) of the first `rings` rings of neighbours of one spot."""
         radii, counts = self._first_rings([(0.0, 0.0)], rings)
         return radii * self.spacing, counts
 
     def rings(self, shifts: list[Site], reach: float) -> tuple[Array, NDArray[np.int64]]:
-        """Radii of the rings of shifted lattices, in spacings; number of spots on each ring.
+        """(radii of the rings of shifted lattices, in spacings; number of lattice points on each).
+        A ring is a circle about the origin on which points of the lattices lie.
 
         The radii are ascending, and at most `reach`.
         """
@@ -156,7 +158,9 @@ class Lattice:
         return found[0][:count], found[1][:count]
 
     def cut(self, shifts: list[Site], rings: float) -> float:
-        """Radius of ring number `rings`, divided by the spacing; 0 for ring 0, inf for ring inf."""
+        """Radius of ring number `rings`, divided by the spacing; 0 for ring 0, inf for ring inf.
+        A ring is a circle about the origin on which lattice points lie.
+        """
         return (
             rings
             if rings == 0 or isinf(rings)
@@ -236,7 +240,8 @@ class Square(Lattice):
 
 
 def own_radius(density: float) -> float:
-    """Radius A = (pi N)^(-1/2) of the circle with the area per spot; N: spots per unit area.
+    """Radius A = (pi N)^(-1/2) of a circle whose area is the area per spot.
+    N is the number of spots per unit area.
 
     Parameters
     ----------
@@ -259,7 +264,9 @@ def own_radius(density: float) -> float:
 
 
 def as_lattice(value: Any) -> Lattice | Density | None:
-    """The value itself if it is a lattice, a density, or None (a spot alone); else SceneError."""
+    """`value` itself if it is a lattice, a density or None (a single spot).
+    Any other value raises SceneError.
+    """
     if value is None or isinstance(value, (Lattice, Density)):
         return value
     raise SceneError.of(

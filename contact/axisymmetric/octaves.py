@@ -44,7 +44,8 @@ class OctaveOptions:
 
 
 SERIES = OctaveOptions()
-# Exponent of the lowest octave. The squares of much smaller radii would underflow to 0.
+# Exponent k of the lowest octave [2^(k-1), 2^k] of radii. The squares of much smaller radii would
+# underflow to 0.
 _LOWEST = -500
 
 
@@ -76,12 +77,15 @@ class LogDerivative:
         return np.asarray(self._function(np.exp(t)))
 
     def _by_step(self, t: Array) -> Array | None:
-        """Derivative by t = log r, from a complex step; None unless it is finite at every t."""
+        """Derivative of the function by t = log r, from a complex step.
+        It is None unless it is finite at every t.
+        """
         slope = self._finite_or_nan(t)
         return slope if np.isfinite(slope).all() else None
 
     def _finite_or_nan(self, t: Array) -> Array:
-        # The square of the step is far below round-off, and no product underflows.
+        # The step is so small that its square is far below round-off, and so large that no product
+        # underflows.
         step = EPS**2
         value = complex_value(self._function, np.exp(t) * complex(1.0, step))
         return np.full(t.shape, np.nan) if value is None else value.imag / step
@@ -122,7 +126,8 @@ class Octave:
 
 @record
 class PowerFit:
-    """Power law `value` (r / `radius`)^`exponent` of the function r f'(r), for r < `radius`.
+    """The power law `value` (r / `radius`)^`exponent`, an approximation of r f'(r) at small r.
+    It is used at r < `radius`.
 
     relative_error: error of the power law's derivative, divided by this derivative.
     """
@@ -134,7 +139,8 @@ class PowerFit:
 
     @classmethod
     def of(cls, octave: Octave) -> "PowerFit | None":
-        """Power law with an octave's value and slope at the lower end; None unless both are > 0.
+        """The power law that has an octave's value and slope at the octave's lower end.
+        It is None unless the value and the slope are positive.
 
         The deviation of the power law from the octave is taken as its error below the octave.
         """
@@ -161,7 +167,10 @@ class PowerFit:
 
 
 class Octaves:
-    """The functions r f' and (r f')' of a shape f, from a function that gives r f' at r > 0."""
+    """The functions r f' and (r f')' of a shape f, as Chebyshev series on octaves.
+    An octave is an interval [2^(k-1), 2^k] of radii. The series are computed from a function that
+    gives r f' at r > 0.
+    """
 
     def __init__(self, r_slope: Callable[[Array], Array]) -> None:
         self._r_slope = r_slope
@@ -180,7 +189,10 @@ class Octaves:
         return self._evaluate(r, lambda octave: octave.derivative)
 
     def error(self, a: float) -> float:
-        """Error of (r f')' at radii below a, summed over the octaves used so far."""
+        """Estimated error of (r f')' at radii r < a.
+        It is the sum of the errors on all octaves below a that were used so far. An octave is an
+        interval [half/2, half].
+        """
         return sum(octave.error for octave in self._known.values() if octave.half < 2.0 * a)
 
     def _evaluate(self, r: Array, series: Callable[[Octave], Array]) -> Array:
@@ -198,13 +210,15 @@ class Octaves:
         return value
 
     def _octave(self, k: int) -> Octave:
-        """Octave k, from values of the function or from the power law of a higher octave.
+        """The series on octave k, computed when it is first needed.
+        Octave k is the interval [2^(k-1), 2^k] of radii. The series comes from values of the
+        function, or from the power law fitted to a higher octave.
 
         The power law is used if it is more accurate.
         """
         if k > self._highest:
-            # A power law fitted to the new highest octave k may serve the octaves below. So those
-            # that are not exact are computed again.
+            # A power law fitted to the new highest octave k may serve the octaves below. So the
+            # lower octaves that are not exact are computed again.
             self._highest, self._power = k, None
             self._known = {one: octave for one, octave in self._known.items() if octave.is_exact}
         if k not in self._known:
@@ -218,7 +232,8 @@ class Octaves:
         return self._known[k]
 
     def _best(self, k: int) -> Octave:
-        """Octave k, from the function's values or from the power law fitted to the octave above.
+        """The series on octave k, which is the interval [2^(k-1), 2^k] of radii.
+        It comes from values of the function, or from a power law fitted to a higher octave.
 
         The power law is used if its error is smaller and the values agree with it within noise; it
         then also serves all octaves below.
@@ -235,7 +250,8 @@ class Octaves:
         return octave
 
     def _computed(self, k: int) -> Octave:
-        """Octave k from values at more and more nodes, until the last terms stop decreasing fast.
+        """The series on octave k, from values of the function at Chebyshev nodes.
+        The number of nodes grows until the last coefficients stop decreasing fast.
 
         The loop also ends once these terms are negligible.
         """

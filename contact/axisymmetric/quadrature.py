@@ -15,7 +15,7 @@ from sie import Array
 
 
 def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:
-    """Nodes and weights on the panels between successive edges, along a new last axis.
+    """Gauss nodes and weights on the intervals between successive edges, along a new last axis.
 
     Edges are broadcast and must not decrease; an empty panel has weights 0.
     """

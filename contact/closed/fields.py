@@ -56,7 +56,7 @@ class ClosedFields(ZoneFields):
 
     @cached_property
     def state(self) -> sie.AnyState:  # type: ignore[override]
-        """The numerical solution of the equation on the known zone, whose ends do not move."""
+        """Numerical solution of the contact equation on the known zone, whose ends are fixed."""
         problem = self.problem
         zones = np.asarray(problem.units.scaled(self.zone_table))
         end = problem.end if self.zone.problem.corner is None else sie.SINGULAR
@@ -111,7 +111,9 @@ class ClosedFields(ZoneFields):
         return np.asarray(self._unit * out)
 
     def _arcosh(self, tangent: Array, over: Array) -> Array:
-        """Pressure under a kink, without its factor: arcosh(tan A / tan u), or arcosh(a / x).
+        """Part of the pressure that a kink of the profile causes, without its constant factor.
+        With a period L it is arcosh(tan A / tan u), with A = pi a/L and u = pi x/L; a is the half
+        width. Without a period it is arcosh(a / x).
 
         A = pi a / L and u = pi x / L, with the half width a, the position x and the period L. The
         second form is the one without a period.
@@ -163,7 +165,9 @@ class ClosedFields(ZoneFields):
 
     @cached_property
     def approach(self) -> float | None:  # type: ignore[override]
-        """Mean profile height on the zone plus compliance times load; None without a datum."""
+        """The approach [m]: mean profile height on the zone plus compliance times load.
+        It is None for an isolated contact without a datum.
+        """
         if not self.scene.operator.has_approach:
             return None
         flat = self.zone.problem.corner is not None

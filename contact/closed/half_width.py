@@ -92,7 +92,9 @@ def widest(problem: Problem) -> float:
 
 
 def _carried(problem: Problem, control: Control, a: Array) -> Array:
-    """The controlled load or approach at each half width a; -inf beyond its first maximum."""
+    """Load or approach, whichever is controlled, of one zone of each half width a.
+    It is -inf beyond its first maximum.
+    """
     period, poles = problem.period, len(problem.kernel.poles)
     if period is not None and poles > 1:
         sine = np.sin(np.pi * a / period)

@@ -80,7 +80,9 @@ def summed(g: Array, t: Array) -> Array:
 
 
 def off(g: Array, t: Array) -> Array:
-    """The Hilbert transform sum g_k rho^k at t >= 1 (..., points), with rho = t - sqrt(t^2 - 1)."""
+    """Hilbert transform of a series with coefficients g, at points t >= 1 outside the zone.
+    It is the sum of g_k rho^k, with rho = t - sqrt(t^2 - 1). The shape of t is (..., points).
+    """
     rho = 1.0 / (t + np.sqrt((t - 1.0) * (t + 1.0)))
     square = rho * rho
     if rho.ndim == 1 and len(g):
@@ -94,7 +96,8 @@ def off(g: Array, t: Array) -> Array:
 
 
 def off_integral(g: Array, t: Array) -> Array:
-    """The integral of `off` from 1 to t, for one load: g has a single row (orders,).
+    """Integral from 1 to t of the Hilbert transform `off`, for one load.
+    So the coefficients g have the shape (orders,).
 
     int rho^k dt = [(1 - rho^(k-1))/(k-1) - (1 - rho^(k+1))/(k+1)]/2.
     """

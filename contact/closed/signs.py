@@ -77,7 +77,9 @@ def least_inside(zone: ClosedZone) -> tuple[float, int]:
 
 
 def places(zone: ClosedZone) -> Array:
-    """Positions t > 1 (..., places) at which the gap is sampled, closer together near the zone."""
+    """Normalised positions t > 1 at which the gap is sampled; the zone ends at t = 1.
+    They are closer together near the zone. Their shape is (..., places).
+    """
     problem, half = zone.problem, column(zone.half)
     if not math.isfinite(problem.limit):
         return _to_far_away() + 0.0 * half
@@ -118,7 +120,8 @@ def _opens(zone: ClosedZone) -> tuple[Value, Value]:
     opens = least(rises) > 0.0
     if everywhere(opens):
         return opens, math.inf
-    # Slopes far away may overflow to inf. Where the slope is inf, the gap rises.
+    # Slopes of the profile far from the zone may overflow to inf. Where the slope is inf, the gap
+    # rises.
     rises[np.isposinf(slope)] = math.inf
     if rises.ndim == 1:
         return _stays_open(zone, t, own, rises)

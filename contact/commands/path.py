@@ -32,7 +32,8 @@ from contact.sweeps.points import NUMBERS
 from contact.sweeps.solve_many import solve_many
 from sie import Array
 
-# Columns of the table, each with its number of digits; together they fit into 80 characters.
+# Columns of the printed table, each with its number of digits. Together they fit into 80
+# characters.
 _SHOWN = {
     "load": 4,
     "mean_pressure": 4,

@@ -31,7 +31,7 @@ from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.keys import BRANCHES
 from contact.sweeps.sweep.run import sweep
 
-# A module that only a sweep with a figure needs.
+# Name of the module that draws a sweep. It is imported only if a figure is requested.
 _FIGURE = "contact.sweeps.sweep.figure"
 
 

@@ -43,13 +43,15 @@ from contact.formulation.quadrature import gauss, over_period
 from contact.formulation.tolerances import TOLERANCES
 from sie import Array, Complex, record
 
-# Gauss nodes in a panel, which is so short that they integrate its waves to round-off.
+# Number of Gauss nodes on each panel of an integral. Panels are so short that this number of nodes
+# is exact to round-off.
 NODES = 16
 
 
 @record
 class Source:
-    """A closed-form part w of the weight: on one zone, for p' at t = place or for an end.
+    """A singular part w of the adjoint weight, known in closed form, on one zone.
+    It belongs to the derivative of the pressure at t = place, or of an end of the zone.
 
     end: 0 for a place, -1 and 1 for the left and the right end. factor: factor of w.
     """
@@ -60,13 +62,15 @@ class Source:
     place: float = 0.0
 
     def weight(self, t: Array) -> Array:
-        """w times dt / d(angle), at t = cos(angle)."""
+        """The weight w at t = cos(angle), times sqrt(1 - t^2), which is |dt / d(angle)|."""
         if self.end:
             return np.asarray(self.factor * (1 + self.end * t))
         return np.asarray(self.factor * (1 - t) * (1 + t) / (t - self.place))
 
     def field(self, left: Array, right: Array, slope: bool) -> Array:
-        """T w, or its derivative by z, off the zone; left = z + 1, right = z - 1."""
+        """Transform T w of the weight w at z outside the zone; its derivative if `slope` is true.
+        The arguments are left = z + 1 and right = z - 1.
+        """
         root = np.sign(left) * np.sqrt(left * right)
         # The differences of nearly equal terms far from the zone are expanded, as left - right = 2.
         if self.end == 1:
@@ -82,18 +86,20 @@ class Source:
 
     @property
     def area(self) -> float:
-        """Integral of w dt, a principal value."""
+        """Principal value of the integral of the weight w over t from -1 to 1."""
         return np.pi * self.factor * (1.0 if self.end else -self.place)
 
     @property
     def on_zone(self) -> float:
-        """T w on the zone."""
+        """Constant value, on the source's zone, of the transform T w of the weight w."""
         return -self.factor if self.end == 1 else self.factor
 
 
 @dataclass(frozen=True)
 class Functional:
-    """A number as a functional of the derivative of a contact, with the factor of each part.
+    """A linear functional of the derivative of a contact along a change of its profile.
+    It is a sum of parts, and its value is the derivative of one number. Each field is the factor of
+    one part.
 
     ends: of outward motions [m] (n, 2). loads: of loads of zones (n,). approach: of the approach of
     heights f. mean: of the mean of f. peak: place [m] and factor of the pressure there. tip: factor
@@ -112,7 +118,7 @@ class Functional:
     inside: tuple[complex, complex, complex] | None = None
 
     def plus(self, other: Functional, factor: float) -> Functional:
-        """This functional plus `factor` times another one, which has no peak."""
+        """This functional plus `factor` times `other`, which must have no pressure as a part."""
         return replace(
             self,
             ends=self.ends + factor * other.ends,
@@ -125,7 +131,9 @@ class Functional:
 
 @record
 class InnerPoint:
-    """The field Re(A K(z - x) + B K'(z - x)) / pi of a point z of the body at places x.
+    """The function Re(A K(z - x) + B K'(z - x)) / pi of x, for a fixed point z in the body.
+    K is the kernel 1 / x or its periodic sum. A (`value`) and B (`rise`) are the factors of the
+    pressure's transform at z and of its derivative.
 
     period: that of the kernel K, None for 1 / x.
     """
@@ -136,7 +144,7 @@ class InnerPoint:
     period: float | None
 
     def field(self, x: Array, slope: bool) -> Array:
-        """The field, or its derivative by x."""
+        """The function of x that the class describes, or its derivative by x if `slope` is true."""
         first, second, third = cotangents(self.z - x, self.period)
         found = self.value * second + self.rise * third if slope else None
         if found is None:
@@ -145,7 +153,9 @@ class InnerPoint:
 
 
 def cotangents(w: Any, period: float | None) -> tuple[Complex, Complex, Complex]:
-    """K, K' and K'' at w, Im w > 0: K(w) = 1 / w, or (pi/L) cot(pi w / L) with the period L."""
+    """The kernel K and its derivatives K' and K'' at complex w with Im w > 0.
+    K(w) is 1 / w, or (pi/L) cot(pi w / L) with the period L.
+    """
     if period is None:
         return 1 / w, -1 / w**2, 2 / w**3
     scale = np.pi / period
@@ -161,7 +171,8 @@ def cotangents(w: Any, period: float | None) -> tuple[Complex, Complex, Complex]
 
 @record
 class Weights:
-    """A functional of changes of the profile: sum of heights f'(x) and slopes f''(x) at places.
+    """A linear functional of a change f' of the profile, as a weighted sum over points x.
+    It sums heights f'(x) and slopes f''(x).
 
     x: places [m]. heights, slopes: their weights. error: relative error of the sum.
     """
@@ -172,12 +183,13 @@ class Weights:
     error: float
 
     def of(self, height: Callable[[Array], Array], slope: Callable[[Array], Array]) -> float:
-        """The functional of a change with this height and slope."""
+        """Value of the functional for a change of the profile with this height and this slope."""
         return float(self.heights @ height(self.x) + self.slopes @ slope(self.x))
 
 
 def weights_of(fields: Any, functional: Functional, tip: float) -> Weights:
-    """The functional, on the given fields, as weights of heights and slopes at places.
+    """A functional as a sum of weights times heights and slopes of a change of the profile.
+    The weights follow from the adjoint equation on the zones of `fields`.
 
     tip: lowest place of the profile [m].
     """
@@ -197,7 +209,7 @@ def weights_of(fields: Any, functional: Functional, tip: float) -> Weights:
 
 @dataclass(frozen=True)
 class _Adjoint:
-    """The adjoint equation on given zones."""
+    """The adjoint equation on given zones; its solution gives the weights of a functional."""
 
     problem: Problem
     zones: sie.Zones
@@ -232,7 +244,7 @@ class _Adjoint:
         return Weights(x, np.append(heights, (functional.tip, 0.0)), slopes, error)
 
     def _at(self, x: float, factor: float) -> Source:
-        """The source of the pressure [Pa] at a place x [m]."""
+        """The `Source` for `factor` times the derivative of the pressure [Pa] at x [m]."""
         zones, period = self.zones, self.problem.period
         at = np.asarray(self.problem.units.scaled(np.array([x])))
         if period is not None:
@@ -244,7 +256,9 @@ class _Adjoint:
         return Source(zone, factor, 0, 0.5 * (left - right))
 
     def _solved(self, functional: Functional) -> sie.AnyState:
-        """The rest of the weight, a density on the zones."""
+        """The part of the weight that has no closed form, as a density on the zones.
+        It solves the contact equation with the field of all sources as the change of the profile.
+        """
         units = self.problem.units
         jump = functional.loads * units.load
         own = np.array(jump)
@@ -260,7 +274,8 @@ class _Adjoint:
             field = self._field(x, False) + own[self._zone_of(x)]
             return np.asarray(field + sum(one.field(x, False) for one in inner))
 
-        # The weight has no moment, so that a tilt changes nothing.
+        # The whole weight has the moment 0, so that a tilt of the profile does not change the
+        # number.
         moment = None if self.problem.moment is None else -sum(one.area for one in self.sources)
         equation = replace(self.problem, moment=moment).equation(
             Load(functional.approach * units.height)
@@ -278,7 +293,7 @@ class _Adjoint:
             ) from error
 
     def _inner(self, z: complex, value: complex, rise: complex) -> InnerPoint:
-        """The field of a point of the body, in scaled units."""
+        """The `InnerPoint` of a point z [m] of the body with its two factors, in scaled units."""
         units = self.problem.units
         scaled = complex(float(units.scaled(np.array([z.real]))[0]), z.imag / units.length)
         return InnerPoint(
@@ -289,12 +304,17 @@ class _Adjoint:
         )
 
     def _zone_of(self, x: Array) -> Any:
-        # Parted in the middles of gaps: places at ends may be rounded to outside of their zone.
+        # Every x is assigned to the zone in whose cell it lies. Cells meet in the middles of the
+        # gaps. So an end of a zone is assigned correctly even if round-off has moved it out of the
+        # zone.
         return np.searchsorted(self._cells[1:-1], x)
 
     @cached_property
     def _cells(self) -> Array:
-        """The middles of the gaps, and places at half a gap, or half a zone, outside of all."""
+        """Borders of the zones' cells: the middles of the gaps, and one outer border on each side.
+        With a period, an outer border is in the middle of the outer gap. Without, its distance from
+        the zones is half of their total span.
+        """
         zones, period = self.zones, self.problem.period
         span = float(zones.b[-1] - zones.a[0])
         rim = 0.5 * (span if period is None else period - span)
@@ -302,7 +322,10 @@ class _Adjoint:
         return np.concatenate(([zones.a[0] - rim], middles, [zones.b[-1] + rim]))
 
     def _field(self, x: Array, slope: bool) -> Array:
-        """T w of all sources, or its slope, without its constants on their own zones."""
+        """Sum of T w at x over all sources, or its derivative by x if `slope` is true.
+        T w is the transform of the weight w of a source. On the source's own zone it is a constant,
+        which is left out here.
+        """
         zones, kernel, out = self.zones, self.problem.kernel, np.zeros(np.shape(x))
         of = self._zone_of(x)
         for one in self.sources:
@@ -316,7 +339,10 @@ class _Adjoint:
         return out + self._smooth(x, of, slope) if kernel.regular and self.sources else out
 
     def _smooth(self, x: Array, of: Any, slope: bool) -> Array:
-        """Field of all sources by the regular part of the kernel, or its slope, at x of zones."""
+        """The field `_regular` of all sources at x, or its derivative by x if `slope` is true.
+        It is taken from one Chebyshev series for each zone; `of` is the number of the zone next to
+        each x.
+        """
         if not self.series:
             self.series.extend(self._series(zone) for zone in range(len(self.zones)))
         out = np.zeros(np.shape(x))
@@ -326,7 +352,8 @@ class _Adjoint:
         return out
 
     def _series(self, zone: int) -> Chebyshev:
-        """The field of the regular part on a zone and half of the gaps beside it.
+        """Chebyshev series of `_regular`, the smooth part of all sources' field, around one zone.
+        It holds on the zone and on half of the gaps beside it.
 
         Its degree is doubled until it has settled.
         """
@@ -341,7 +368,7 @@ class _Adjoint:
             degree *= 2
 
     def _regular(self, x: Array) -> Array:
-        """Field of all sources by the regular part of the kernel at places x (n,)."""
+        """Field of all sources at x (n,) by the kernel without its poles (its regular part)."""
         regular = self.problem.kernel.regular
         assert regular is not None
         xi, weight = self._spread
@@ -349,7 +376,7 @@ class _Adjoint:
 
     @cached_property
     def _spread(self) -> tuple[Array, Array]:
-        """All sources as sums over scaled places: places, and weights over pi."""
+        """(scaled positions, weights / pi) of the sums that replace integrals over the sources."""
         zones, length = self.zones, self.problem.kernel.length
         places, weights = [], []
         for one in self.sources:
@@ -363,7 +390,9 @@ class _Adjoint:
         return np.concatenate(places), np.concatenate(weights)
 
     def _rule(self, one: Source, cuts: Array, count: int) -> tuple[Array, Array, float | None]:
-        """Nodes t and weights of the integral of w g dt on a zone, and the weight of g(place).
+        """Quadrature of the integral of w g dt on a zone, with the singular weight w of a source.
+        The result is the nodes t, their weights, and the weight of g(place), which is None for an
+        end.
 
         cuts: angles between which g is smooth. count: number of nodes between them, at the least.
         """
@@ -378,7 +407,9 @@ class _Adjoint:
     def _on_zone(
         self, density: sie.AnyDensity, zone: int, count: int
     ) -> tuple[Array, Array, Array]:
-        """Scaled places, weights of heights and of slopes on one zone."""
+        """(scaled positions, weights of the heights, weights of the slopes) on one zone.
+        The heights and the slopes are those of a change of the profile.
+        """
         half, middle = self.zones.half[zone], self.zones.middle[zone]
         breaks = self._breaks(zone)
         cuts = np.unique(np.concatenate(([0.0, np.pi], np.arccos(np.clip(breaks, -1, 1)))))
@@ -405,7 +436,7 @@ class _Adjoint:
 
 
 def _graded(place: float, lo: float, hi: float) -> Array:
-    """Places from lo to hi that close in on `place` by halves.
+    """Points of [lo, hi] whose distances from `place` are halved again and again, and `place`.
 
     A polynomial that begins at a knot beside `place` is over the distance from `place` nearly
     singular there.
@@ -416,7 +447,9 @@ def _graded(place: float, lo: float, hi: float) -> Array:
 
 
 def _gauss(cuts: Array, count: int) -> tuple[Array, Array]:
-    """Nodes t = cos(angle) and weights of the angle, between cuts; `count` nodes or more in all."""
+    """Gauss nodes t = cos(angle) and weights of the angle, on panels between the angles `cuts`.
+    From 0 to pi there are at least `count` nodes.
+    """
     shortest = NODES * np.pi / max(count, 2 * NODES)
     pieces = np.maximum(1, np.ceil(np.diff(cuts) / shortest)).astype(int)
     edges = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(cuts, cuts[1:], pieces, strict=False)]
@@ -428,7 +461,8 @@ def _gauss(cuts: Array, count: int) -> tuple[Array, Array]:
 
 
 def full_weights(fields: FullFields, functional: Functional, tip: float) -> Weights:
-    """The functional in full contact on a half-plane, where p' = - (E*/2) H f''.
+    """Weights of a functional in full contact on a half-plane, where p' = - (E*/2) H f''.
+    Here p' is the change of the pressure, f' that of the profile, and H the Hilbert transform.
 
     H f'(x*) is the principal value of (1/L) int f'(x) cot(pi (x* - x) / L) dx. At a point z of the
     body, the transform of p' is (i E* / 2 L) int f'(x) cot(pi (z - x) / L) dx.
@@ -443,7 +477,7 @@ def full_weights(fields: FullFields, functional: Functional, tip: float) -> Weig
     slopes = np.append(slopes, (0.0, factor))
 
     def around(place: float) -> tuple[Array, Array]:
-        """Nodes, counted from a place at which they are graded, and weights."""
+        """(x - place at nodes x of one period, weights); nodes are denser near `place`."""
         breaks = np.asarray(profile.breakpoints, dtype=float)
         count = max(4 * NODES, int(2 * period / (profile.resolution or period)))
         cuts = (np.append(breaks, np.linspace(0, period, count)) - place) % period

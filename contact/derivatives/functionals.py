@@ -21,7 +21,8 @@ from sie import Array, Index, record
 
 @record
 class Weighted:
-    """The weights of a number on the zones, then on zones moved by the stated error.
+    """Adjoint weights of a number: on the zones, and on zones moved by their stated error.
+    The difference shows the error of the weights.
 
     control: weights of the controlled quantity, of which `unsure` times may be missing or too much;
     None if the load is given, or if errors are not asked for.
@@ -33,13 +34,15 @@ class Weighted:
 
 
 class Functionals(sie.Kept):
-    """The functionals of one solution."""
+    """Derivatives of the numbers of one solution, as functionals of changes of its profile."""
 
     def __init__(self, linearized: Linearized) -> None:
         self.linearized, self.solution = linearized, linearized.solution
 
     def weights(self, number: str, index: tuple[int, ...]) -> Weighted:
-        """The weights of a number, at the given value of the scene's control.
+        """Adjoint weights of `number` at a fixed value of the scene's control.
+        The derivative of the number is their sum over heights and slopes of a change of the
+        profile.
 
         index: that of the entry, for a number that is an array. The pressure may have the index of
         one of the places of the largest pressure.
@@ -68,7 +71,9 @@ class Functionals(sie.Kept):
         return Weighted(found, self._on(fields, control[0]), unsure)
 
     def _first_yield(self) -> Weighted:
-        """The weights of the load of first yield, which no value of the control changes."""
+        """Adjoint weights of the load of first yield.
+        This load does not depend on the value of the control.
+        """
         by_load = self.linearized.by_load
         rise, error = float(by_load.values.max_stress[0]), float(by_load.errors.max_stress[0])
         ways = [self._of_stress(one, self._none(), -1 / rise) for one in self.linearized.variants]
@@ -80,14 +85,15 @@ class Functionals(sie.Kept):
         return Weighted(found, found[0], error / abs(rise))
 
     def _of_stress(self, fields: Any, functional: Functional, factor: float = 1.0) -> Functional:
-        """A functional with `factor` times the largest stress added."""
+        """`functional` plus `factor` times the derivative of the largest stress."""
         stress = self.linearized.stress
         assert stress is not None
         point = stress.on(fields)[0]
         value, rise = (factor * one for one in point.transform)
         if point.y > 0:
             return replace(functional, inside=(complex(point.x, point.y), value, rise))
-        # On the surface F is (E*/2) f' - i p.
+        # On the surface in contact, the transform F of the pressure p is (E*/2) f' - i p. Here f'
+        # is the slope of the profile.
         along = 0.5 * self.solution.scene.E_star * value.real
         return replace(functional, peak=(point.x, value.imag), slope=(point.x, along))
 
@@ -98,7 +104,7 @@ class Functionals(sie.Kept):
 
     @property
     def refusal(self) -> str:
-        """Why the adjoint equation is not that of the zones; empty if it is."""
+        """Why derivatives by all heights at once are not known here; empty if they are known."""
         fields, law = self.solution.fields, self.solution.scene.law
         if law.kappa or isinstance(fields, ZoneFields) and fields.solved_zones.follow_ends:
             return (
@@ -122,7 +128,7 @@ class Functionals(sie.Kept):
 
     @cached_property
     def _control(self) -> tuple[Functional, float, float] | None:
-        """(functional of the controlled quantity, its derivative by the load, error of that).
+        """(functional of the controlled quantity, its derivative by the load, the latter's error).
 
         None if the load is given.
         """
@@ -156,7 +162,7 @@ class Functionals(sie.Kept):
         return float(np.asarray(numbers.largest(number))[index])
 
     def _at_load(self, number: str, index: tuple[int, ...]) -> Functional:
-        """The functional of a number at a given load."""
+        """The functional whose value is the derivative of `number` at a fixed load."""
         none, solution, order = self._none(), self.solution, self._order
         ends, loads = none.ends, none.loads
         if number in ("load", "mean_pressure", "max_stress"):
@@ -183,7 +189,7 @@ class Functionals(sie.Kept):
         return none
 
     def _of_stiffness(self) -> Array:
-        """Derivatives of the stiffness by outward motions of the ends (n, 2)."""
+        """Derivatives of the stiffness by outward motions of the ends, (n, 2) for n zones."""
         stiffness, E_star = self.solution.stiffness, self.solution.scene.E_star
         assert stiffness is not None
         k = self.linearized._intensities(self.solution.fields)

@@ -18,7 +18,9 @@ from sie import Array
 
 
 def by_heights(profile: Sampled, weights: Weights) -> Array:
-    """Derivatives by the heights of the points, which count upwards: f = max - height."""
+    """Derivatives of a functional by the heights of all points of a measured profile.
+    Heights count upwards, so that the profile is f = max - height.
+    """
     repeats = profile.period is not None
     x = np.append(profile.x, profile.x[0] + profile.period) if repeats else profile.x
     at = np.asarray(profile.wrap(weights.x), dtype=float)
@@ -26,7 +28,8 @@ def by_heights(profile: Sampled, weights: Weights) -> Array:
     width = np.diff(x)[piece]
     u = (at - x[piece]) / width
     v = 1 - u
-    # Hermite's basis and its derivative: heights at both ends, slopes at both ends.
+    # Hermite's cubic basis and its derivative, for the heights at the left and right end of an
+    # interval, and the slopes at the left and right end.
     value = (v * v * (1 + 2 * u), u * u * (1 + 2 * v), u * v * v * width, -u * u * v * width)
     rise = (-6 * u * v / width, 6 * u * v / width, v * (v - 2 * u), u * (u - 2 * v))
     n = len(profile.x)
@@ -41,7 +44,7 @@ def by_heights(profile: Sampled, weights: Weights) -> Array:
 
 
 def _slopes(h: Array, repeats: bool) -> tuple[Any, Any]:
-    """Matrices A and R of the slopes s of the spline through heights z: A s = R z.
+    """Matrices A and R with A s = R z, for the slopes s of the spline through the heights z.
 
     C. de Boor, A Practical Guide to Splines, Springer 1978, chapter IV.
     """

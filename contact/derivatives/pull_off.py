@@ -27,7 +27,10 @@ from sie import Array
 
 
 class Fold(NamedTuple):
-    """Zones at or near pull-off: null vectors of M, y M x, k_P, and the zones."""
+    """Null vectors of a matrix M at or near pull-off, and numbers computed from them.
+    M holds the derivatives of the edge intensities by motions of the ends. left: y with y M = 0.
+    right: x with M x = 0. rest: y M x. by_load: derivatives of the intensities by the load.
+    """
 
     zones: sie.Zones
     left: Array
@@ -62,7 +65,7 @@ class PullOffRates(sie.Kept):
         self.relative = solution.error
 
     def _fold(self, moved: Array) -> Fold:
-        """The null vectors on the zones of pull-off, with ends moved outward (2, n)."""
+        """The `Fold` on the zones of pull-off after outward motions `moved` (2, n) of their ends."""
         problem = self.problem
         zones = sie.Zones.of(self._table, problem.end, problem.end).moved(moved)
         load = Load(self.load / problem.units.load)
@@ -75,19 +78,23 @@ class PullOffRates(sie.Kept):
 
     @cached_property
     def _folds(self) -> tuple[Fold, Fold, float]:
-        """At pull-off, beside it, and the distance of the first from it over that of both."""
+        """(fold at pull-off, a second fold beside it, relative position error of the first fold).
+        The error is the distance of the first fold from exact pull-off, divided by the distance of
+        both folds.
+        """
         here = self._fold(np.zeros((2, len(self._table))))
         motion = here.right.reshape(2, -1)
-        # The difference then has a round-off, and a truncation, well below itself.
+        # With this step, the round-off and the truncation error of the difference are much smaller
+        # than the difference.
         step = EPS ** (1 / 4) * float(here.zones.half.min()) / float(np.abs(motion).max())
         beside = self._fold(step * motion)
-        # The signs of null vectors are arbitrary.
+        # The signs of null vectors are arbitrary. `sign` makes those of the two folds agree.
         sign = float(np.sign(here.left @ beside.left) * np.sign(here.right @ beside.right))
         away = sign * beside.rest - here.rest
         return here, beside, abs(here.rest / away) if away else np.inf
 
     def along(self, direction: Profile) -> tuple[float, float]:
-        """(derivative, error) of the pull-off load along a change of the profile [N/m]."""
+        """(derivative, error) of the pull-off load [N/m] along a change of the profile."""
         here, beside, part = self._folds
         value, other = self._at(here, direction), self._at(beside, direction)
         error = TOLERANCES.margin * part * abs(other - value) + 2 * self.relative * abs(value)

@@ -14,9 +14,9 @@ from contact.model.checks import one_of, real
 from contact.solution.solution import Solution
 from sie import Array
 
-# Numbers that are arrays, with an entry for each zone.
+# Names of the numbers that are arrays, with an entry for each zone.
 TABLES = ("zones", "zone_widths", "zone_loads")
-# Names of numbers that have derivatives.
+# Names of the numbers of a solution that have derivatives.
 NUMBERS = (
     "load",
     "mean_pressure",
@@ -29,20 +29,21 @@ NUMBERS = (
     "zone_widths",
     "zone_loads",
 )
-# Numbers at places, of which there may be several.
+# Numbers that are taken at special points, with a description of these points. A contact may have
+# several of them.
 PLACES = {
     "approach": "lowest places",
     "max_pressure": "places of largest pressure",
     "max_stress": "places of largest stress",
 }
-# Numbers that need a criterion of the equivalent stress, and the data of the criterion.
+# Names of the numbers that need a criterion of yield, and names of the data of the criterion.
 STRESSES = ("max_stress", "first_yield")
 OF_CRITERION = ("strength", "nu")
 
 
 @dataclass(frozen=True)
 class Derivative:
-    """A derivative with its stated error.
+    """The derivative of a number of a solution, with its stated error.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ class Derivative:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Derivatives of a contact by one parameter, at the given value of the scene's control.
+    """Derivatives of all numbers of a contact by one parameter, at a fixed value of the control.
 
     `of(number)` is that of a number with its error; `pressure(x)` that of the pressure at fixed x.
 
@@ -162,7 +163,7 @@ class Response:
         return Derivative(value, error, note)
 
     def _first_yield(self) -> Derivative:
-        """The derivative of the load under which the largest stress is what it is now."""
+        """Derivative of the load of first yield, at which the largest stress keeps its value."""
         assert self.by_load is not None
         rise, unsure = rise_of_stress(self.by_load)
         values, errors = self.change.values, self.change.errors
@@ -187,7 +188,9 @@ class Response:
         return "the scene does not define it, or it is infinite"
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Derivative of the pressure at fixed x [m], any shape; infinite at ends that move."""
+        """Derivative of the pressure by the parameter, at fixed x [m] of any array shape.
+        It is infinite at ends that move.
+        """
         return self.change.pressure(real("x", x))
 
 

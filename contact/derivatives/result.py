@@ -58,7 +58,8 @@ from contact.solution.solution import Solution
 from contact.sweeps.sweep.keys import MODULUS, tables
 from sie import Array
 
-# The powers of numbers with which pressures grow at given zones, and heights likewise.
+# Exponents with which numbers scale, on fixed zones, if all pressures or all heights are multiplied
+# by a factor. Numbers that are not listed do not change.
 OF_PRESSURE = {
     "load": 1.0,
     "max_pressure": 1.0,
@@ -117,7 +118,7 @@ class Sensitivity(sie.Kept):
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """Names of the data by which derivatives are known, as in scene files."""
+        """Names of the parameters by which derivatives are known, as in scene files."""
         scene = self.solution.scene
         names = [MODULUS, f"control.{scene.control[0]}"]
         names += [f"control.{name}" for name in scene.turning]
@@ -180,7 +181,7 @@ class Sensitivity(sie.Kept):
         )
 
     def by(self, to: str) -> Response:
-        """Derivatives of all numbers, and of the pressure, by one of the scene's data."""
+        """Derivatives of all numbers, and of the pressure, by one parameter of the scene."""
         name, index = _parted(to)
         one_of("to", name, [key for key in self.keys if key not in OF_CRITERION])
         value = self._value(name)
@@ -193,7 +194,7 @@ class Sensitivity(sie.Kept):
         return self._known[to]
 
     def response(self, dheight: Any, dslope: Callable[[Array], Array] | None = None) -> Response:
-        """The derivative along a change of the profile.
+        """Derivatives of all numbers along a given change of the profile.
 
         Parameters
         ----------
@@ -277,7 +278,7 @@ class Sensitivity(sie.Kept):
 
     @property
     def _adjoint(self) -> bool:
-        """Whether the weights of all heights are known, and not only single derivatives."""
+        """Whether the adjoint equation can give the derivatives by all heights from one solve."""
         return self._functionals.refusal == ""
 
     @cached_property
@@ -300,7 +301,7 @@ class Sensitivity(sie.Kept):
         return np.array(some).reshape(len(value), count)
 
     def _by_array(self, number: str, table: str, key: str) -> Derivative:
-        """The derivatives of a number by an array of parameters, from one solve."""
+        """Derivatives of a number by the entries of an array of parameters, from one adjoint solve."""
         found = self._weights(number, ())
         unsure = self._sums(found.found[0], table, key)[1]
         by = self._by_weights(found, lambda one: self._sums(one, table, key)[0], number)
@@ -331,10 +332,10 @@ class Sensitivity(sie.Kept):
         return self._ways[name]
 
     def _weights(self, number: str, index: int | tuple[int, ...]) -> Weighted:
-        """The weights of a number on the zones and on moved zones."""
+        """Adjoint weights of a number, on the zones and on zones moved by their stated error."""
         one_of("number", number, NUMBERS + STRESSES)
         at = index if isinstance(index, tuple) else (index,)
-        # That the number has a derivative is checked by the one by the load.
+        # This derivative by the load raises SceneError if the number has no derivatives.
         by_load = self.linearized.by_load
         value = np.asarray(Response(self.solution, by_load, by_load=by_load).of(number).value)
         if len(at) != value.ndim or any(
@@ -348,7 +349,7 @@ class Sensitivity(sie.Kept):
     def _by_weights(
         self, weighted: Weighted, table_of: Callable[[Weights], Array], number: str
     ) -> Derivative:
-        """The derivatives that `table_of` makes of weights, with their error."""
+        """Derivatives that the function `table_of` computes from adjoint weights, with errors."""
         tables = [table_of(one) for one in weighted.found]
         value = tables[0]
         relative = 2 * self.solution.error + TOLERANCES.margin * weighted.found[0].error
@@ -365,7 +366,7 @@ class Sensitivity(sie.Kept):
         return Derivative(value, error, note)
 
     def _by_criterion(self, number: str, to: str) -> Derivative:
-        """The derivative of the largest stress or of first yield by a number of the criterion."""
+        """Derivative of the largest stress, or of the load of first yield, by strength or nu."""
         one_of("number", number, STRESSES)
         stress, (rise, unsure) = self.stress, rise_of_stress(self.linearized.by_load)
         assert stress is not None
@@ -408,7 +409,7 @@ class Sensitivity(sie.Kept):
         return self._response(replace(change, errors=errors))
 
     def _direction(self, name: str, index: int | None) -> tuple[Direction, float]:
-        """The change of the profile by one of its parameters, and its relative error."""
+        """(derivative of the profile by one of its parameters, relative error of it)."""
         table, _, key = name.partition(".")
         profile = self.solution.scene.profile
         try:
@@ -423,14 +424,16 @@ class Sensitivity(sie.Kept):
             ) from None
 
     def _of_pull_off(self, name: str, index: int | None) -> tuple[float, float]:
-        """(derivative, error) of the pull-off load; no value of the control changes it."""
+        """(derivative, error) of the pull-off load by one parameter of the scene.
+        The derivative by the value of the control is 0.
+        """
         table, _, key = name.partition(".")
         scene, rates = self.solution.scene, self._pull_off
         if table == "control":
             return 0.0, 0.0
         if table in scene.profile.bodies and not (key == "period" and scene.period):
             return rates.along(self._direction(name, index)[0])
-        # The load is homogeneous of degree one in E* and K.
+        # The pull-off load is homogeneous of degree one in E* and the edge intensity K.
         itself, error = rates.along(Direction.itself(scene.profile))
         by_intensity = rates.load - itself
         if table == "law":
@@ -448,7 +451,9 @@ class Sensitivity(sie.Kept):
         return PullOffRates(self.solution)
 
     def _intensity_rate(self, name: str) -> float:
-        """Derivative of ln K by the modulus or a parameter of the law; 0 without adhesion."""
+        """Derivative of ln K by the modulus or a parameter of the law; 0 without adhesion.
+        K is the edge intensity.
+        """
         law, E_star = self.solution.scene.law, self.solution.scene.E_star
         if not self._adheres():
             return 0.0
@@ -463,11 +468,13 @@ class Sensitivity(sie.Kept):
 
     @cached_property
     def _itself(self) -> Change:
-        """The derivative along the profile itself."""
+        """Derivatives of all numbers along the profile f itself: f changes to f + e f."""
         return self.linearized.along(Direction.itself(self.solution.scene.profile))
 
     def _value_change(self, degrees: dict[str, float]) -> Change:
-        """A change of the numbers by themselves times these powers; none of the pressure."""
+        """A change in which every number changes by itself times its exponent in `degrees`.
+        The pressure does not change.
+        """
         values = self.linearized.values
         part = Numbers.of_degrees(values, degrees)
         error = abs(part) * (3 * self.solution.error)
@@ -475,12 +482,12 @@ class Sensitivity(sie.Kept):
 
     @cached_property
     def _modulus_alone(self) -> Change:
-        """E* times the derivative by E*, at a given load and edge intensity."""
+        """Derivatives of all numbers by E*, times E*, at a fixed load and edge intensity."""
         return self._itself.plus(self._value_change(OF_HEIGHT), -1.0)
 
     @cached_property
     def _intensity(self) -> Change:
-        """K times the derivative by the edge intensity K, at a given load and modulus."""
+        """Derivatives of all numbers by the edge intensity K, times K, at fixed load and modulus."""
         solution = self.solution
         own = self._value_change(OF_PRESSURE)
         own = replace(own, pressure=lambda x: solution.pressure(x))
@@ -578,10 +585,10 @@ class Sensitivity(sie.Kept):
         target = (other.value - held.value) / period
         return replace(self._response(unknown, target), of_period=1.0)
 
-    # The control.
+    # The next method passes from a fixed load to a fixed value of the control.
 
     def _response(self, change: Change, target: float = 0.0) -> Response:
-        """The response at the given value of the control, from that at a given load.
+        """Derivatives at a fixed value of the control, from those at a fixed load (`change`).
 
         target: derivative of the value [SI] that the control prescribes.
         """
@@ -650,7 +657,7 @@ def _controlled(quantity: Quantity, change: Change) -> tuple[float, float]:
 
 
 def _difference(function: Callable[[float], float], at: float, step: float) -> float:
-    """The derivative of a function of a number by a central difference of order 8."""
+    """Derivative of `function` at the number `at`, by a central difference of order 8."""
     terms = (
         weight * (function(at + k * step) - function(at - k * step))
         for k, weight in enumerate(WEIGHTS, 1)

@@ -39,7 +39,8 @@ SHARE = 8.0
 
 @record
 class StressPoint:
-    """A place of the largest stress [m], the stress [Pa], and its slopes by xx, yy and xy there.
+    """A point [m] of the largest stress, its value [Pa], and its derivatives by xx, yy and xy.
+    The latter are the stress components at the point.
 
     transform: factors (A, B), with which Re(A F + B F') is the derivative of the largest stress,
     for the transform F of p' at the place and its derivative F', at a given load.
@@ -54,7 +55,7 @@ class StressPoint:
 
 
 class LargestStress(sie.Kept):
-    """The places of the largest stress of one solution.
+    """The points of the largest equivalent stress of one solution.
 
     Parameters
     ----------
@@ -77,10 +78,11 @@ class LargestStress(sie.Kept):
 
     @cached_property
     def points(self) -> tuple[StressPoint, ...]:
-        """The places of the largest stress."""
+        """The points at which the equivalent stress is largest; several if they are equal."""
         solution = self.solution
         found = sorted(peaks(solution, self.criterion), key=lambda one: -one.stress)
-        # The search leaves a place to a step of 1e-4: the stress is wrong by less than its square.
+        # The search finds a point to within a step of 1e-4. Since the stress is stationary at the
+        # point, the relative error of the stress is below the square of this step.
         close = [one for one in found if one.stress >= found[0].stress * (1 - 1e-6)]
         points: list[StressPoint] = []
         for one in close:
@@ -104,13 +106,13 @@ class LargestStress(sie.Kept):
         return np.array([one.stress for one in self.points])
 
     def on(self, fields: Fields) -> tuple[StressPoint, ...]:
-        """The same places on slightly different fields."""
+        """The points of the largest stress, found anew for slightly different fields."""
         if fields is self.solution.fields:
             return self.points
         return tuple(self._settled(fields, one.x, one.y) for one in self.points)
 
     def rates(self, fields: Fields, rate: Rate) -> Array:
-        """Derivatives of the largest stress at each of its places, those on the given fields."""
+        """Derivatives of the largest stress at each of its points, found anew on `fields`."""
         if rate.fields is None:
             return np.full(len(self.points), np.nan)
         points = self.on(fields)
@@ -147,7 +149,9 @@ class LargestStress(sie.Kept):
         return np.array(out)
 
     def _settled(self, fields: Fields, x: float, y: float) -> StressPoint:
-        """The place near (x, y) at which the stress is stationary, as far as it may move."""
+        """The point near (x, y) at which the equivalent stress is stationary.
+        A point on the surface stays on the surface.
+        """
         branch = self._branch(fields, x, y)
         if y > 0:
             x, y = _stationary(lambda a, b: self._value(fields, a, b, branch), x, y)
@@ -166,7 +170,7 @@ class LargestStress(sie.Kept):
         return rule.of_branch(exact_stress(fields, x, y, rule.lateral, rule.nu)[0], branch)
 
     def _stress(self, fields: Fields, x: float, y: float) -> tuple[Stress, Transform]:
-        """The stress at one point, and the pressure's transform."""
+        """(stress, transform of the pressure) at one point (x, y) of the body."""
         rule = self.criterion
         found, normal = exact_stress(fields, np.array([x]), np.array([y]), rule.lateral, rule.nu)
         return Stress(found.xx[0], found.yy[0], found.xy[0], np.zeros(())), normal
@@ -191,7 +195,7 @@ class LargestStress(sie.Kept):
         return Window(ends, profile.resolution or np.inf, cusps, solution.error)
 
     def _refuse_ends(self, fields: Fields, x: float) -> None:
-        """Raise SceneError if a place on the surface is at an end of a zone, or outside of all."""
+        """Raise SceneError if a point of the surface is at a zone's end or outside all zones."""
         zones = fields.zone_table
         if len(zones) == 0:
             return
@@ -200,7 +204,7 @@ class LargestStress(sie.Kept):
         away = x - middle
         if length is not None:
             away = away - length * np.round(away / length)
-        # The search leaves a place to a step of 1e-4 of the half width.
+        # The search finds a point to within 1e-4 of the half width.
         if np.all(np.abs(away) > half * (1 - 1e-3)):
             raise SceneError(
                 f"the largest stress is on the surface, at the end x = {x:.6g} m of a zone: there "
@@ -211,7 +215,8 @@ class LargestStress(sie.Kept):
 
 
 def _factors(slopes: Array, y: float, ratio: float) -> tuple[complex, complex]:
-    """(A, B): the slopes times the stresses of a pressure are Re(A F + B F').
+    """(A, B), with which the slopes times the stresses of a pressure are Re(A F + B F').
+    F is the transform of the pressure at the point, and F' its derivative.
 
     See `contact.inside.stress`; the shear is `ratio` times the pressure.
     """
@@ -229,13 +234,13 @@ def _stationary(
     half, degree = y / SHARE, NODES - 1
     across, down = (part.ravel() for part in np.meshgrid(t, t, indexing="ij"))
     value = function(x + half * across, y + half * down).reshape(NODES, NODES)
-    # Interpolation at Chebyshev nodes, along both sides.
+    # Interpolation at Chebyshev nodes, along both sides of the square.
     of = chebyshev.chebvander(t, degree).T * (2 / NODES)
     of[0] *= 0.5
     series = of @ value @ of.T
 
     def at(place: Array, across: int, down: int) -> float:
-        """A derivative of the series, of these orders."""
+        """Derivative of the series, of orders `across` and `down` in its two variables."""
         table = chebyshev.chebder(chebyshev.chebder(series, across, axis=0), down, axis=1)
         return float(chebyshev.chebval2d(float(place[0]), float(place[1]), table))
 

@@ -62,7 +62,7 @@ class Design:
     solutions : tuple of Solution
         The contact at each value of the control.
     objective : float
-        The objective.
+        Value of the objective for a vector of data.
     optimality : float
         Norm of the part of the gradient that no active bound or condition balances, over the norm
         of the gradient at the start. For measured values: of the gradient of half the sum of
@@ -102,7 +102,7 @@ class Design:
 
 
 class _Contact(NamedTuple):
-    """The contacts of one design, and derivatives of them."""
+    """The contacts of one design, one for each value of the control, and their derivatives."""
 
     solutions: tuple[Solution, ...]
     by: tuple[Sensitivity, ...]
@@ -132,7 +132,7 @@ class _Problem:
         self._gradients: dict[tuple[bytes, str], list[Array]] = {}
 
     def contact(self, vector: Array) -> _Contact:
-        """The contacts of a design; they are solved once."""
+        """The contacts of a design, one for each value of the control; each is solved once."""
         key = np.asarray(vector, dtype=float).tobytes()
         if key not in self._known:
             scene = self.variables.scene_of(vector)
@@ -154,7 +154,7 @@ class _Problem:
         return self._known[key]
 
     def _solved(self, scene: Scene) -> Solution:
-        """The contact; if the tolerance is missed, the best one if half of the digits are right."""
+        """Contact of a scene; if the tolerance is missed, one with half of the digits right."""
         try:
             return solve(scene, self.tol)
         except NotConverged as missed:
@@ -165,7 +165,7 @@ class _Problem:
             raise
 
     def table(self, vector: Array, number: str) -> list[Array]:
-        """A number at each value of the control."""
+        """Values of a number of the contact, one for each value of the control."""
         out = []
         for one in self.contact(vector).solutions:
             value = getattr(one, number)
@@ -175,7 +175,7 @@ class _Problem:
         return out
 
     def derivatives(self, vector: Array, number: str) -> list[Array]:
-        """Derivatives of a number by the vector, at each value of the control."""
+        """Derivatives of a number by the entries of the vector of data, at each control value."""
         key = np.asarray(vector, dtype=float).tobytes(), number
         if key not in self._gradients:
             self._gradients[key] = [
@@ -184,26 +184,26 @@ class _Problem:
         return self._gradients[key]
 
     def residuals(self, vector: Array) -> Array:
-        """Differences from measured values over their deviations (m,)."""
+        """Computed minus measured values, divided by their standard deviations (m,)."""
         wanted = self.objective
         assert isinstance(wanted, Measured)
         values = np.array(self.table(vector, wanted.number))
         return np.asarray((values - wanted.values) / wanted.deviation)
 
     def residual_slopes(self, vector: Array) -> Array:
-        """Derivatives of `residuals` by the vector (m, n)."""
+        """Derivatives (m, n) of the m `residuals` by the n entries of the vector of data."""
         wanted = self.objective
         assert isinstance(wanted, Measured)
         return np.array(self.derivatives(vector, wanted.number)) / wanted.deviation[:, None]
 
     def value(self, vector: Array) -> float:
-        """The objective."""
+        """Value of the objective for a vector of data."""
         if isinstance(self.objective, Measured):
             return float(np.sum(self.residuals(vector) ** 2))
         return float(self.objective.of(self.table(vector, self.objective.number))[0])
 
     def gradient(self, vector: Array) -> Array:
-        """Derivative of the objective by the vector (n,)."""
+        """Derivatives of the objective by the n entries of the vector of data (n,)."""
         if isinstance(self.objective, Measured):
             return 2 * self.residuals(vector) @ self.residual_slopes(vector)
         table = self.table(vector, self.objective.number)
@@ -241,7 +241,9 @@ class _Problem:
         return np.array(self._gradients[key])
 
     def rooms(self, vector: Array) -> Array:
-        """How far all conditions are from their bounds, over the bounds' size: none is below 0."""
+        """Distances of all conditions from their bounds, divided by the bounds' size.
+        A design that meets all conditions has none below 0.
+        """
         return self._bounded(vector, counted=True)
 
     def room_slopes(self, vector: Array) -> Array:

@@ -32,7 +32,8 @@ period = 1e-3
 cosine = [{cosine}]
 sine = [{sine}]
 """
-# Amplitudes [m] that fall like k^-1.3, with phases drawn once.
+# Cosine amplitudes [m] of a rough profile. They fall like k^-1.3, and their random phases were
+# drawn once.
 _COSINE = (
     "0, 1.1e-7, -2.4e-7, 6.2e-8, 9.8e-8, -7.4e-8, 3.3e-8, 5.9e-8, -3.1e-8, 4.4e-8, -1.2e-8,"
     " 2.5e-8, 2.1e-8, -2.6e-8, 7e-9, 1.8e-8, -1.5e-8, 1.1e-8, 1.4e-8, -6e-9, -1.2e-8, 9e-9, 4e-9,"

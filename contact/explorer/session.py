@@ -52,7 +52,7 @@ class Given:
 
 
 class _GaveWay(Exception):
-    """Raised inside a solve that is no longer wanted."""
+    """Raised inside a solve to stop it, because a newer request waits."""
 
 
 # What a reply contains: a JSON object, and arrays.
@@ -76,7 +76,9 @@ class Session:
         self._begin(given.scene, given.tables)
 
     def reply(self, request: Mapping[str, Any]) -> Parts:
-        """The reply to a request: "begin", "frame" or "curve"; errors are messages in it."""
+        """The reply to a request of the page: "begin", "frame" or "curve".
+        An error becomes a message in the reply.
+        """
         ask = {"begin": self.begin, "frame": self.frame, "curve": self.curve}
         try:
             return ask[request["ask"]](request)
@@ -85,7 +87,7 @@ class Session:
         except Exception as error:  # the page shows every error as a message
             return {"refused": message(error).rstrip(".") + "."}, {}
 
-    # A scene and its sliders.
+    # The next methods set the scene and its sliders.
 
     def begin(self, request: Mapping[str, Any]) -> Parts:
         """Begin with a preset, with the text of a scene file, or with the scene that was given."""
@@ -159,7 +161,7 @@ class Session:
         """Poisson's ratio of body 1, for von Mises stresses; 0.3 if it is not given."""
         return float(self.tables.get("material", {}).get("nu1", 0.3))
 
-    # Frames.
+    # The next methods compute a frame: what the page shows for values of the sliders.
 
     def frame(self, request: Mapping[str, Any]) -> Parts:
         """The solution for values of the sliders, as numbers and curves.
@@ -236,7 +238,7 @@ class Session:
         return last if same else None
 
     def _along(self, scene: Scene, tol: float) -> Solution:
-        """The solution on the curve of those of a moving control."""
+        """The solution of a scene, found along the curve on which only the control changes."""
         name, value = scene.control
         if self._curve is None or not same_curve(self._curve.scene, scene):
             self._curve = Curve(scene, name, tol)
@@ -279,7 +281,7 @@ class Session:
             )
         return text
 
-    # The load curve.
+    # The next methods compute the load curve.
 
     def curve(self, request: Mapping[str, Any]) -> Parts:
         """More of the load curve: some points, or under adhesion both branches at once.
@@ -300,7 +302,8 @@ class Session:
                 if self.is_awaited() or time.perf_counter() > end:
                     return self._reply_curve(Branches([self._points], [], []), False)
         except _GaveWay:
-            # A generator that has raised is at its end: the curve begins anew.
+            # A generator that has raised an exception cannot go on. So the next request begins the
+            # curve anew.
             self._walk = None
             raise
         return self._reply_curve(Branches([self._points], [], []), True)
@@ -338,7 +341,7 @@ def title(scene: Scene) -> str:
 
 
 def _shown(handle: Handle, scene: Scene) -> dict[str, Any]:
-    """A slider as the page makes it."""
+    """The data from which the page makes a slider."""
     label = handle.name.replace("E_star", "E*").replace("_", " ")
     if handle.name == "nu":  # nu1 and nu2 are those of the bodies
         label = f"nu of the {scene.substrate.name}"
