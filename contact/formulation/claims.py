@@ -264,8 +264,8 @@ class _Panels:
 def _mismatch(profile: Profile, panels: _Panels, least: float) -> tuple[float, str]:
     """Largest relative error of the slope, and a message on it; (0, "") if no error is found.
 
-    An error counts only if it remains when the two worst parts of its panel are left out. least: the
-    smallest slope that counts.
+    An error counts only if it remains when the two worst parts of its panel are left out. least:
+    the smallest slope that counts.
     """
     which = np.flatnonzero(np.abs(panels.difference) > panels.doubt)
     if not len(which):
@@ -311,7 +311,7 @@ def _common_mismatch(profile: Profile, panels: _Panels, least: float) -> tuple[f
     the median factor by more than their own error are left out: they may have a corner.
     """
     rise, weight = panels.integral, 1 / (panels.rounding + panels.quadrature) ** 2
-    # A panel whose integral is not above its error, as on the flank of a narrow bump, tells nothing.
+    # A panel whose integral is not above its error, as on the flank of a narrow bump, is not used.
     known = np.maximum(panels.doubt, least * (panels.b - panels.a))
     usable = np.isfinite(weight * rise**2) & (np.abs(rise) > known)
     if not usable.any():

@@ -85,7 +85,7 @@ class _OneBody(sie.Kept):
         return sum(values[1:], values[0]), sum(slopes[1:], slopes[0])
 
     def _exponents(self, x: Array, y: Array, at: Array | float) -> Complex:
-        """Exponents 2 pi i (z - s)/L at z = x + iy; s is the periodic image of `at` nearest to x."""
+        """Exponents 2 pi i (z - s)/L at z = x + iy; s is the image of `at` that is nearest to x."""
         turns = (x - at) / self.length
         return np.asarray(2 * pi * (1j * (turns - np.round(turns)) - y / self.length))
 

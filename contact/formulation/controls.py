@@ -69,13 +69,13 @@ class Control:
         return self._if(Quantity.WIDTH)
 
     def conditions(self) -> Conditions:
-        """Side conditions on the pressure and on the zones' ends, if the pressure is the unknown."""
+        """Side conditions on pressure and ends of zones, if the pressure is the unknown."""
         raise NotImplementedError
 
     def gap_conditions(
         self, period: float, mean_height: Callable[[], float], compression: float
     ) -> Conditions:
-        """Side conditions on the gap's slope and on the gaps' ends, if this slope is the unknown.
+        """Side conditions on slope and ends of gaps, if the slope of the gap is the unknown.
 
         The amplitude of column 0 is the mean pressure. mean_height: mean of the profile above its
         lowest place. compression: mean displacement for a unit of mean pressure.

@@ -79,8 +79,8 @@ def moved_ends(
     """Derivatives (2, Z) of the zones' ends, outward, by the value of a side condition.
     They are 0 for fixed ends.
 
-    A motion is 2 K / A, with the intensity K of the response and the edge slope A, as in a Newton
-    step. For ends of prescribed intensity it follows from their rates. response: the
+    A derivative is 2 K / A, with the intensity K of the response and the edge slope A, as in a
+    Newton step. For ends of prescribed intensity it follows from their rates. response: the
     solution for a unit of the condition's value, if it is known already. tolerance: tolerance of
     the iteration that finds the response.
     """
@@ -105,7 +105,7 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
 
 def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) -> sie.AnyState:
     """Solution on given zones for zero load and the nominal pressure 1 outside the strip.
-    The strip is the period that the localized model solves.
+    The strip is the one period of the profile that the localized model solves.
     """
     equation = sie.Equation(
         problem.kernel, problem.columns[0], (sie.Total(0.0), sie.EqualPotential())
@@ -324,7 +324,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return np.asarray(self.density(x))
 
     def standing_shape(self, x: Array) -> Array:
-        """The scaled profile F at scaled places x, turned by the given tilt or by the solved tilt."""
+        """The scaled profile F at scaled places x, turned by the given or the solved tilt."""
         shape = self.problem.shape(x)
         return (
             shape
@@ -605,7 +605,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @property
     def pressure_bound(self) -> float:
-        """Upper bound of the pressure [Pa] from its series, or from samples if the pressure jumps."""
+        """Upper bound of the pressure [Pa] from its series; from samples if the pressure jumps."""
         if self._is_infinite:
             return math.inf
         bound = self.density.upper_bound

@@ -104,7 +104,7 @@ class GapFields(NoPlateaus, sie.Kept):
         return np.asarray(self.mean - self.relief(x) + self._by_gaps(self.gap_slope.transform(x)))
 
     def _by_gaps(self, value: Array) -> Array:
-        """Scaled pressure that the gaps add, from `value`, the transform of the slope of the gap."""
+        """Scaled pressure that the gaps add, from `value`, the transform of the gap's slope."""
         kappa = self.problem.kappa
         return value / (1 + kappa**2) if kappa else value
 

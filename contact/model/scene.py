@@ -232,9 +232,9 @@ class Scene(sie.Kept):
             named.check(self)
         self._check_law()
         if self.interaction.follows_isolated and self.is_flat:
-            # In this closure, the nominal pressure comes from an isolated contact that is as wide as
-            # the zones. Under a flat punch, every isolated contact has the width of the punch, so
-            # that its load is not determined.
+            # In this closure, the nominal pressure comes from an isolated contact that is as wide
+            # as the zones. Under a flat punch, every isolated contact has the width of the punch,
+            # so that its load is not determined.
             allowed = (
                 "another model or closure: every isolated load has the width of a "
                 f"{self.profile.name} profile"
@@ -265,9 +265,7 @@ class Scene(sie.Kept):
         return REGISTERED.find(name)(getattr(self, name))
 
     def held(self, quantity: Quantity) -> float | None:
-        """The value [SI] at which the solver prescribes this quantity; None if it prescribes
-        another one.
-        """
+        """The SI value that the solver prescribes for `quantity`; None if it prescribes none."""
         held = self.control_object.held(self)
         return held.value if held is not None and held.quantity is quantity else None
 

@@ -74,7 +74,7 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
 
 
 def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
-    """Symbol minus 1, L_n - 1, at the harmonics n = 1, 2, ..., `count` of a period.
+    """Symbol minus 1, L_n - 1, at the harmonics n = 1, 2, ... of a period.
     Values after the last one above round-off are left out.
 
     L_n is the symbol at the wavenumber 2 pi n / period.

@@ -7,7 +7,7 @@ SI units instead, as the input is typed.
 import math
 from collections.abc import Iterable, Sequence
 
-# For each unit of the package, its multiples in use, by their power of ten.
+# Multiples in which numbers are shown, for each unit of the package, by their power of ten.
 _MULTIPLES = {
     "Pa": {0: "Pa", 3: "kPa", 6: "MPa", 9: "GPa"},
     "N/m": {-6: "µN/m", -3: "mN/m", 0: "N/m", 3: "N/mm", 6: "kN/mm"},

@@ -90,7 +90,7 @@ class Layer(Substrate):
 
 
 def _sinh_less(x: Array, e: Array) -> Array:
-    """(sinh x - x) e, for e = exp(-x)."""
+    """The value of (sinh x - x) e, where e = exp(-x) is given as well."""
     # Below x = 1 the difference sinh x - x would lose digits. So the series x^3/3! + x^5/5! + ...
     # is summed instead.
     small = np.minimum(x, 1.0)

@@ -75,7 +75,7 @@ class Table:
     counts: bool = False
     """Whether the positions are 0, 1, 2, ... or 1, 2, 3, ..."""
     number_above: int = 0
-    """The line of a number just above a single column of heights, 0 without one."""
+    """Line number of a number just above a single column of heights; 0 if there is none."""
 
 
 @dataclass(frozen=True)

@@ -112,8 +112,8 @@ class Preparation:
         if self.invert is not None and not isinstance(self.invert, bool):
             raise SceneError.of("invert", self.invert, "true or false")
         _degree(self.detrend)
-        # `regrid` = True means the trace's number of points, `period` = True its measured length.
-        # False leaves out the step.
+        # `regrid` = True means as many points as the trace has, and `period` = True means its
+        # measured length. False leaves out the step. So these values need no check.
         for name, check in (("regrid", partial(integer, least=MIN_POINTS)), ("period", positive)):
             given = getattr(self, name)
             if not (given is None or isinstance(given, bool)):
