@@ -33,7 +33,8 @@ class FigureOptions:
 
     # Smallest size of a visible detail, relative to the width or the height of a panel.
     min_visible: float = 0.06
-    # Digits that positions along an axis may need; beyond them they count from a place nearby.
+    # Largest number of digits for positions along an axis. If more digits would be needed,
+    # positions are counted from a place near the drawn interval.
     max_digits: int = 4
 
     @property
@@ -47,7 +48,7 @@ FIGURE = FigureOptions()
 
 @record
 class Stretch:
-    """An interval [m] of a figure, the place that its positions count from, and their unit."""
+    """An interval [m] on the axis of a figure, with the origin and the unit of its positions."""
 
     lo: float
     hi: float
@@ -56,12 +57,12 @@ class Stretch:
     unit: str
 
     def along(self, x: Any) -> Any:
-        """Positions [m] in the unit of the axis."""
+        """Positions x [m], converted to distances from the origin in the unit of the axis."""
         return (x - self.origin) * self.factor
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Ends of the interval in the unit of the axis."""
+        """Ends of the interval, as distances from the origin in the unit of the axis."""
         return self.along(self.lo), self.along(self.hi)
 
     @property
@@ -69,7 +70,7 @@ class Stretch:
         """Label of the axis, such as `$x$ [µm]` or `$x$ - 1308.74 µm [µm]`."""
         if self.origin == 0.0:
             return f"$x$ [{self.unit}]"
-        # The place is given to a tenth of the interval or more closely.
+        # The label gives the origin to a tenth of the width of the interval, or more closely.
         decimals = 1 - math.floor(math.log10(self.factor * (self.hi - self.lo)))
         sign = "\N{MINUS SIGN}" if self.origin > 0 else "+"
         place = f"{abs(self.origin) * self.factor:.{max(decimals, 0)}f}"
@@ -89,13 +90,15 @@ def stretches(*intervals: tuple[float, float]) -> list[Stretch]:
 
 
 def shared_unit(unit: str, *sizes: float) -> tuple[float, str]:
-    """Factor and multiple of a unit for quantities of different sizes, by their geometric mean."""
+    """Factor and name of one unit for quantities of different sizes, by their geometric mean.
+    An example of the name is µm for the unit m.
+    """
     known = [size for size in sizes if math.isfinite(size) and size > 0.0]
     return scaled(math.sqrt(min(known) * max(known)) if known else 0.0, unit)
 
 
 def unit_of(values: Array, unit: str, log: bool = False) -> tuple[float, str]:
-    """Factor and multiple of a unit for the values along an axis, linear or logarithmic."""
+    """Factor and name of a unit for the values along an axis, which is linear or logarithmic."""
     sizes = np.abs(values[np.isfinite(values) & (values != 0.0)])
     least = sizes.min(initial=np.inf) if log else np.inf
     return shared_unit(unit, float(least), float(sizes.max(initial=0.0)))
@@ -136,7 +139,9 @@ def inner_ticks(axes: Any) -> None:
 
 
 def outlined(width: float) -> list[Any]:
-    """Path effects that put a black edge around a white line, so that it is seen on any shade."""
+    """Path effects that put a black edge around a white line.
+    The line is then visible on any shade of grey.
+    """
     effects = require("matplotlib.patheffects")
     return [effects.Stroke(linewidth=width + 1.4, foreground="black"), effects.Normal()]
 

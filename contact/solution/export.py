@@ -58,10 +58,11 @@ _FIELDS = {
 
 
 def to_dict(solution: Solution) -> dict[str, Any]:
-    """Zones and numbers of the solution as a dictionary, in the types of JSON."""
+    """Zones and summary numbers of the solution as a dictionary that JSON can represent."""
     values = {
         **{name: getattr(solution, name) for name in UNITS if name != "rotational_stiffness"},
-        # The rotational stiffness costs one more solve, and is of use only with a tilt or a moment.
+        # The rotational stiffness takes one more solution of the equations. It is useful only with
+        # a tilt or a moment.
         "rotational_stiffness": solution.rotational_stiffness if solution.scene.turning else None,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
@@ -77,7 +78,9 @@ def to_dict(solution: Solution) -> dict[str, Any]:
 
 
 def _has_limit(solution: Solution) -> bool:
-    """Whether the law limits the pressure, so that there may be plateaus."""
+    """Whether the law limits the pressure, so that there may be plateaus.
+    A plateau is an interval on which the pressure is at the limit.
+    """
     return math.isfinite(solution.scene.law.pressure_range.highest)
 
 
@@ -128,7 +131,8 @@ def to_csv(solution: Solution) -> str:
 
 
 def fields_to_csv(solution: Solution) -> str:
-    """The fields as CSV text with a header line: FIELD_COLUMNS [m, Pa, m, m, m].
+    """The fields at sampled positions as CSV text with a header line.
+    The columns are FIELD_COLUMNS [m, Pa, m, m, m], and the shear and the overlap if there are any.
 
     With friction the shear [Pa] is the last column, with a limit of the pressure the overlap [m].
     The spacing of the positions is smaller near the ends of zones.
@@ -273,7 +277,7 @@ def is_long(value: Any, longest: int = 64) -> bool:
 
 
 def _attributes(solution: Solution) -> dict[str, Any]:
-    """Attributes of the data set: version, units, scene, numbers and certificate.
+    """Attributes of the data set: version, units, scene, summary numbers and certificate.
 
     Numbers that are None are left out, as netCDF has no value for None.
     """

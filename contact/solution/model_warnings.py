@@ -24,7 +24,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class ModelLimits:
-    """Limits beyond which the model is doubtful, or a number is probably in another unit."""
+    """Limits beyond which the model is doubtful, or a given number is probably in a wrong unit."""
 
     steepest: float = 0.3  # slope; steeper surfaces are not nearly plane
     highest: float = 0.1  # pressure divided by E*; above this strains are large
@@ -32,7 +32,8 @@ class ModelLimits:
     stiffest: float = 2e12  # [Pa]: diamond on diamond
     in_pascals: float = 1e7  # [Pa]: diamond has 1.2e6 MPa, so that a larger number is in pascals
     smallest: float = 1e-11  # [m]: less than an atom
-    # Largest length [m] of a surface, as of a machine part. A longer one is probably not in metres.
+    # Largest plausible length [m] of a surface, about that of a machine part. A longer surface was
+    # probably given in another unit than metres.
     longest: float = 1.0
 
 
@@ -51,7 +52,9 @@ def _length(profile: Profile) -> float | None:
 
 
 def _length_warnings(scene: Scene) -> tuple[str, ...]:
-    """Warnings about the length of a hand-written shape; reading a file gives its own warnings."""
+    """Warnings about the length of a profile whose numbers a user wrote by hand.
+    A profile that is read from a file gives its own warnings.
+    """
     profile, length = scene.profile, _length(scene.profile)
     if (
         not _LIMITS.in_pascals <= scene.E_star <= _LIMITS.stiffest
@@ -65,8 +68,8 @@ def _length_warnings(scene: Scene) -> tuple[str, ...]:
             f"{message} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all "
             "lengths of a scene are in metres",
         )
-    # Over a period the height varies by at most half of the integral of |slope|. This is at most
-    # half of the rms slope times the length.
+    # The height varies by at most half of the integral of |slope| over a period. This integral is
+    # at most the rms slope times the length of the period.
     depth = 0.5 * profile.slope_sizes[1] * length
     if 0.0 < depth < _LIMITS.smallest:
         return (
@@ -110,7 +113,7 @@ def scene_and_solution_warnings(solution: Solution) -> tuple[str, ...]:
 
 
 def curve_warnings(solutions: Iterable[Solution]) -> tuple[str, ...]:
-    """Warnings at the highest load.
+    """Warnings about the solution at the highest load of a series.
 
     If none of them is about unmeasured intervals, such warnings at the lowest load are added.
     """
@@ -133,7 +136,7 @@ def _slope_warnings(solution: Solution) -> tuple[str, ...]:
     with np.errstate(all="ignore"):
         slopes = np.asarray(profile.slope(_places_on_zones(solution)), dtype=float)
         inside = np.abs(slopes - tilt if tilt else slopes)
-    # For a few places, argmax and item together are faster than max.
+    # For few elements, argmax and item together are faster than max.
     steepest = inside.item(inside.argmax()) if inside.size else 0.0
     if not math.isfinite(steepest):
         steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))
@@ -183,6 +186,8 @@ def _places_on_zones(solution: Solution, per_zone: int = 8) -> Array:
 
 @cache
 def _weights_of_ends(count: int) -> Array:
-    """Weights (2, count): a zone's ends (left, right) times the weights are Chebyshev nodes."""
+    """Weights (2, count) that give `count` Chebyshev nodes in a zone.
+    The nodes are the zone's ends (left, right) times the weights.
+    """
     t = chebyshev_nodes(count)
     return 0.5 * np.stack((1.0 - t, 1.0 + t))

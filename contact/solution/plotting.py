@@ -65,14 +65,14 @@ class Heights:
 
     @property
     def limits(self) -> tuple[float, float]:
-        """The lowest and the highest finite height."""
+        """The lowest and the highest finite height of both surfaces [m]."""
         both = np.concatenate((self.surface, self.body))
         both = both[np.isfinite(both)]
         return float(both.min()), float(both.max())
 
     @property
     def size(self) -> float:
-        """The size that the unit of the heights is chosen for."""
+        """The length [m] by which the unit of the heights is chosen."""
         low, high = self.limits
         reach = high - low or max(abs(high), 1e-12)
         return max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach
@@ -143,7 +143,7 @@ def draw_surfaces(
     seen, below = np.isfinite(heights.body), np.isfinite(heights.surface)
     low, high = heights.limits
     reach = high - low or max(abs(high), 1e-12)
-    # A body's height is infinite outside the body's sharp corners. There the outline is drawn
+    # The height of a body is infinite outside its sharp corners. There the body's outline is drawn
     # outside the panel.
     outline = up * np.where(seen, heights.body, high + reach)
     surface = up * np.where(below, heights.surface, low - reach)
@@ -159,8 +159,8 @@ def draw_surfaces(
     weight = 2.6 if len(zones) <= FIGURE.max_zones else 1.8
     axes.plot(x, touching, color=PRESSURE, linewidth=weight, label="contact")
     axes.set(ylim=(floor, ceiling), ylabel=f"height [{unit}]")
-    # The label "body" is placed above a point in contact, since the body is always drawn there,
-    # and beside the pointer to a close-up.
+    # The label "body" is placed above a point in contact, since the body is always drawn at such a
+    # point. It is moved to one side of the pointer to a close-up.
     middle = float(zones[len(zones) // 2].mean()) if len(zones) else 0.5 * (column.lo + column.hi)
     where = float(np.clip((middle - column.lo) / (column.hi - column.lo), 0.06, 0.94))
     side, shift = ("right", -8) if marked and where > 0.5 else ("left", 8)
@@ -182,15 +182,15 @@ def draw_surfaces(
 
 
 def draw_pressure(axes: Any, solution: Solution, column: Stretch, name: str = "pressure") -> None:
-    """Draw the pressure over an interval, with the shear of sliding, plateaus and tension.
+    """Draw the pressure over an interval, with plateaus, tension and, in sliding, the shear.
 
     name: of the ordinate.
     """
     x = positions(solution, column.lo, column.hi, POINTS.screen_points)
     zones, along = zones_within(solution, column.lo, column.hi), column.along(x)
     pressure, top = solution.pressure(x), top_pressure(solution)
-    # At the end of an adhesive zone the tension may be unbounded. Then it is drawn at most as far
-    # below zero as the peak is above zero.
+    # At the end of an adhesive zone the tension may be infinite. Such a tension is drawn at most as
+    # far below zero as the peak pressure is above zero.
     lowest = float(np.min(pressure, initial=0.0))
     if not np.isfinite(lowest):
         lowest = max(float(np.min(pressure[np.isfinite(pressure)], initial=0.0)), -top)

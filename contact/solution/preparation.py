@@ -44,7 +44,8 @@ def preparation_warnings(
 
 
 def shares(solution: Solution, samples: int = 4096) -> list[Borne]:
-    """The share of the load on each kind of unmeasured interval, for each body that has any.
+    """Shares of the load that unmeasured intervals carry.
+    There is one share for each kind of interval and each body that has such intervals.
 
     samples: number of samples on all zones together, equally many on each zone. 4096 samples give
     three digits of the shares.
@@ -86,7 +87,9 @@ def _sentence(borne: Borne, listed: int) -> str:
 
 
 def _places_in_contact(solution: Solution, samples: int) -> tuple[Array, Array, Array]:
-    """Places in contact; for each, a weight proportional to its absolute load, and the pressure."""
+    """Sample places in contact, a weight for each place, and the pressure there.
+    The weight is proportional to the absolute load that the sample stands for.
+    """
     profile, zones = solution.scene.profile, np.asarray(solution.zones)
     if not len(zones):
         if profile.period is None or not solution.load > 0.0:  # the surfaces are apart

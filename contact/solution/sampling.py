@@ -92,7 +92,9 @@ def on_zones(x: Array, zones: Array) -> Mask:
 
 
 def top_pressure(solution: Solution) -> float:
-    """The largest pressure [Pa]; if it is infinite, four times the mean pressure on the zones."""
+    """The largest pressure [Pa] for scaling a figure.
+    If the largest pressure is infinite, it is four times the mean pressure on the zones.
+    """
     if np.isfinite(solution.max_pressure):
         return solution.max_pressure
     return float(4.0 * abs(solution.load) / max(np.sum(solution.zone_widths), 1e-300))
@@ -106,8 +108,8 @@ def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
     profile = solution.scene.profile
     face = profile.counter_height(x)
     surface = face - np.max(face[np.isfinite(face)], initial=-np.inf) - solution.displacement(x)
-    # The body is drawn as rigid, so that the height of one point in contact fixes the body's
-    # position.
+    # The body is drawn as rigid. So the height of one point in contact gives the position of the
+    # whole body.
     own = np.asarray(profile.bodies["profile"].height(x)) - (solution.tilt or 0.0) * x
     zones = zones_within(solution, float(x[0]), float(x[-1]))
     there = np.isfinite(surface) & np.isfinite(own)

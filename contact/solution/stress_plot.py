@@ -130,7 +130,7 @@ def columns_of(report: StressReport, show: str) -> list[Column]:
 
 
 def _image(place: float, lo: float, hi: float, solution: Solution) -> float:
-    """The periodic image of `place` that is nearest to the middle of the interval (lo, hi)."""
+    """The copy of `place` in the period that is nearest to the middle of the interval (lo, hi)."""
     period = solution.scene.period
     if period is None:
         return place
@@ -211,7 +211,7 @@ def draw_stress(
 
 
 def levels_to(top: float) -> Array:
-    """Round values from 0 to the first one that is not below `top`."""
+    """Levels of the contours: round values from 0 to the first one that is not below `top`."""
     locator = require("matplotlib.ticker").MaxNLocator(OPTIONS.levels, steps=[1, 2, 2.5, 5, 10])
     levels = np.asarray(locator.tick_values(0.0, top))
     return levels[levels >= 0.0]

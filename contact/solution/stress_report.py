@@ -37,7 +37,7 @@ class StressReport:
     yields: Yield | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """The numbers as a dictionary in the types of JSON."""
+        """The largest stresses and the first yield as a dictionary that JSON can represent."""
         found = self.yields
         first = None
         if found is not None:
@@ -93,7 +93,7 @@ def grid(
 
 
 def depth_of(solution: Solution, lo: float, hi: float) -> float:
-    """Largest depth [m] in figures and files, from the widest zone between lo and hi."""
+    """Largest depth [m] in figures and files. It follows from the widest zone between lo and hi."""
     zones = solution.zones
     inside = zones[(zones[:, 1] > lo) & (zones[:, 0] < hi)]
     widest = float(np.diff(inside, axis=1).max()) if len(inside) else hi - lo

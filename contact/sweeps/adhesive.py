@@ -50,7 +50,7 @@ VALUES = {"load": "loads", "mean_pressure": "mean pressures", "approach": "appro
 
 @dataclass(frozen=True, eq=False)
 class AdhesiveEvent(Event):
-    """An event of surfaces that adhere: a jump, or a smooth change of the zones.
+    """An event on the path of surfaces that adhere: a jump, or a smooth change of the zones.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ class AdhesivePath(Path):
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """A matplotlib figure: load over approach with the jumps, and the surfaces at pull-off.
+        """A matplotlib figure: load over approach with the jumps, and the surfaces before pull-off.
 
         Parameters
         ----------
@@ -358,7 +358,7 @@ def _places(scene: Scene, zones: Array, count: int = 601) -> Array:
 
 
 class _PathRun:
-    """One path while it is followed: its scene, its history and the equilibria recorded so far.
+    """A loading path in progress: its scene, its history and the equilibria recorded so far.
 
     scene: the scene at the value 0 of the control. give: compliance of the spring [m per N/m].
     """
@@ -374,7 +374,9 @@ class _PathRun:
         self.rises = 1.0
 
     def note(self, point: State | None, value: float = 0.0) -> None:
-        """Record the equilibrium `point`; if `point` is None, separate surfaces at `value`."""
+        """Record an equilibrium of the path; if `point` is None, record surfaces that are apart.
+        `value` is the value of the control at which they are apart.
+        """
         units = self.problem.units
         if point is not None:
             approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
@@ -403,7 +405,7 @@ class _PathRun:
         )
 
     def refuse(self, values: Array) -> None:
-        """Raise OutOfRange if some value is an approach at which there is no equilibrium."""
+        """Raise OutOfRange if one of the prescribed approaches has no equilibrium."""
         if (
             self.control != "approach"
             or self.context.spring_compliance is not None
@@ -420,7 +422,7 @@ class _PathRun:
             )
 
     def first(self, value: float) -> PathState:
-        """The state at the first value of the control.
+        """The state of the path at the first value of the control.
 
         Below the value `law.first` of first touch, the surfaces are apart.
         """

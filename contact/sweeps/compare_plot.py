@@ -144,7 +144,7 @@ def _draw_times(axes: Any, attempts: list[Attempt], styles: Styles) -> None:
 
 
 def _stretch(solution: Solution) -> Stretch:
-    """The interval to draw.
+    """The interval of the figure that shows the pressures and their differences.
 
     It is `window`, or the surroundings of the pressure peak if no zone would be visible in
     `window`.

@@ -41,17 +41,20 @@ from sie import Array, Index, Mask, record
 class EventOptions:
     """Options of the search for the events between two loads."""
 
-    # Tolerance of the ends of zones, relative to the width of their zone, where an event is
-    # predicted. Where it is located they are closer by `SearchOptions.tight_factor`: the error of
-    # a condition is of second order in theirs, but that of its rate of first order.
+    # Tolerance of the ends of zones, relative to the width of their zone, while an event is
+    # predicted. While an event is located, the tolerance is smaller by the factor
+    # `SearchOptions.tight_factor`. Each event is the zero of a condition (a least gap or pressure).
+    # The error of a condition is of second order in the error of the ends, but the error of its
+    # derivative is of first order.
     ends: float = 1e-7
     # Predictions are linear. An event that is predicted beyond the last load, by up to half of the
     # distance to that load, may still come before it.
     reach: float = 1.5
-    # Largest difference of ln(load) over which events are predicted: the gap may get new minima.
+    # Largest difference of ln(load) over which events are predicted. Over a larger one, the gap may
+    # get new minima.
     max_step: float = 0.3
-    # Samples of the gap over the shortest length of the profile. An interval counts as at least
-    # four such lengths.
+    # Number of samples of the gap over the shortest length of the profile. An interval counts as at
+    # least four such lengths.
     samples: float = 4.0
 
 
@@ -62,7 +65,9 @@ NOWHERE = np.zeros(0)
 
 @record
 class Value:
-    """Value and derivative of an event's condition at ln(load) `at`."""
+    """Value and derivative, at one ln(load), of the condition of an event.
+    The condition is a least gap or pressure that is zero at the event.
+    """
 
     at: float
     value: float
@@ -71,7 +76,7 @@ class Value:
 
 @record
 class Birth:
-    """The birth of a zone, where a minimum of the gap falls to zero without that zone.
+    """The birth of a zone: a minimum of the gap, computed without the new zone, falls to zero.
 
     place: scaled place of the minimum. reach: distance from it within which the minimum is sought.
     at: predicted ln(load). known: the condition where it is known, see `Value`.
@@ -86,28 +91,31 @@ class Birth:
 
     @property
     def joined(self) -> Array:
-        """Places of gaps that are closed where the condition is smooth."""
+        """Places of gaps that count as closed in the computation of the condition; here none."""
         return NOWHERE
 
     def condition(self, point: PathPoint) -> Minimum:
-        """The minimum of the gap; its value is infinite if there is none near the place."""
+        """The minimum of the gap near the place of the birth.
+        Its value is infinite if there is none.
+        """
         low, high = gap_around(point.zones, self.place, point.period)
         first, last = max(low, self.place - self.reach), min(high, self.place + self.reach)
         tips = _tips(point.fields, self.place)
         return local_minimum(point.fields.formal_gap, first, last, self.place, tips)
 
     def rate(self, fields: Fields, place: float) -> float:
-        """Derivative of the condition by ln(load)."""
+        """Derivative of the condition (the least gap at `place`) by ln(load)."""
         return float(fields.rates(np.array([place]), _OPTIONS.ends)[1][0])
 
     def tables(self, zones: Array, place: float, period: float | None) -> tuple[Array, Array]:
-        """The zones before and after the event, from those with which the condition is smooth."""
+        """The zones before and after the birth. `zones` are the zones without the new one."""
         return zones, with_born(zones, np.array([place]), period)
 
 
 @record
 class Merger:
-    """The merger of two zones: the least pressure between them is zero, with the two as one.
+    """The merger of two zones. It happens at the load at which a least pressure is zero.
+    This is the pressure between the two zones, computed as if they were one zone.
 
     place: scaled middle of the gap. reach: half its width with a margin. at: predicted ln(load).
     known: the condition where it is known.
@@ -125,16 +133,18 @@ class Merger:
         return np.array([self.place])
 
     def condition(self, point: PathPoint) -> Minimum:
-        """The least pressure between the two zones."""
+        """The least pressure between the two zones, computed as if they were one zone."""
         first, last = self.place - self.reach, self.place + self.reach
         return local_minimum(point.fields.formal_pressure, first, last, self.place, NOWHERE)
 
     def rate(self, fields: Fields, place: float) -> float:
-        """Derivative of the condition by ln(load)."""
+        """Derivative of the condition (the least pressure at `place`) by ln(load)."""
         return float(fields.pressure_rates(np.array([place]), _OPTIONS.ends)[0])
 
     def tables(self, zones: Array, place: float, period: float | None) -> tuple[Array, Array]:
-        """The zones before and after the event, from those with which the condition is smooth."""
+        """The zones before and after the merger.
+        `zones` are those in which the two zones are one.
+        """
         place = float(sie.wrapped(np.array(place), float(zones[0, 0]), period))
         k = int(np.searchsorted(zones[:, 0], place, side="right")) - 1
         parts = np.array([[zones[k, 0], place], [place, zones[k, 1]]])
@@ -143,7 +153,7 @@ class Merger:
 
 @record
 class Renewal:
-    """No event, but a load at which the contact is solved, so that predictions become better."""
+    """A load without event at which the contact is solved, so that predictions become better."""
 
     at: float
     kind = ""
@@ -159,7 +169,7 @@ Awaited = Birth | Merger
 
 @record
 class PathPoint(sie.Kept):
-    """A contact on the path, by its fields.
+    """A contact on the path of growing loads, given by its pressure and gap.
 
     at: ln(scaled load). born: zones of no width that are to be added (k, 3): scaled place, rate at
     which bodies overlap there without the zone, half the second derivative of the gap. pieces:
@@ -189,7 +199,7 @@ class PathPoint(sie.Kept):
         return x[some], row[some], gap[some]
 
     def _minima(self, values: Array) -> Mask:
-        """Which samples are local minima of values at the samples."""
+        """Mask of the samples at which the given values have a local minimum."""
         row, out = self.samples[1], np.zeros(len(values), dtype=bool)
         if len(values) > 2:
             inner = (row[2:] == row[:-2]) & (values[1:-1] < values[:-2])
@@ -198,13 +208,17 @@ class PathPoint(sie.Kept):
 
     @property
     def overlaps(self) -> Array:
-        """Places of the local minima at which the gap may be negative, there or beside it."""
+        """Places of the local minima of the gap where the gap may be negative.
+        It may be negative at the sample itself or between it and the next ones.
+        """
         x, _, gap = self.samples
         return x[self._minima(gap) & (reaches(-gap) > 0.0)]
 
     @property
     def touches(self) -> tuple[Array, Array]:
-        """Places that touch before those around them, and when: ln(load) by the present rates."""
+        """Places that come into contact before the places around them, and when.
+        The second array is the ln(load) of the contact, predicted with the present rate of the gap.
+        """
         x, _, gap = self.samples
         with np.errstate(divide="ignore"):
             left = np.where(self.rates[1] < 0.0, -gap / self.rates[1], np.inf)
@@ -213,12 +227,14 @@ class PathPoint(sie.Kept):
 
     @cached_property
     def rates(self) -> tuple[Array, Array]:
-        """Derivatives by ln(load): outward motions of the ends (n, 2), and the gap at `samples`."""
+        """Derivatives by ln(load): of the ends, outward (n, 2), and of the gap at `samples`."""
         return self.fields.rates(self.samples[0])
 
     @property
     def ends(self) -> Ends:
-        """Zones and the motions of their ends, scaled; the motions of zones of no width are nan."""
+        """Scaled zones and the rates of their ends (derivatives by ln(load)).
+        The rates of zones of no width are nan.
+        """
         table, rates = self.fields.zones, self.rates[0]
         if len(self.born):
             new = sie.wrapped(self.born[:, 0], float(table[0, 0]), self.period)
@@ -229,12 +245,14 @@ class PathPoint(sie.Kept):
 
     @property
     def zones(self) -> Array:
-        """Scaled zones (n, 2), those of no width among them."""
+        """Scaled zones (n, 2), including the newly born zones, which have no width yet."""
         return with_born(self.fields.zones, self.born[:, 0], self.period)
 
     @cached_property
     def motions(self) -> tuple[Motion, Motion]:
-        """Motions of the zones and of the gaps to their right."""
+        """Positions and rates of the zones, and of the gaps to their right.
+        Rates are derivatives by ln(load).
+        """
         table, (left, right) = self.fields.zones, self.rates[0].T
         gaps = gaps_between(table, self.period)
         return Motion.of(table, -left, right), Motion.of(gaps, right, -np.roll(left, -1))
@@ -264,12 +282,14 @@ class PathPoint(sie.Kept):
         return table
 
     def _moved(self, motion: Motion, at: float) -> tuple[Array, Array]:
-        """Middles and half widths at another ln(load); no interval vanishes."""
+        """Extrapolated middles and half widths of zones or gaps at another ln(load).
+        No interval gets the width zero.
+        """
         middle, square = motion.values + (at - self.at) * motion.rates
         return middle, np.sqrt(np.maximum(square, SEARCH.doubtful_part**2 * motion.values[1]))
 
     def _grown(self, at: float, table: Array) -> Array:
-        """First guesses of the zones that are born here, at another ln(load)."""
+        """First guesses, at another ln(load), of the zones that are born at this contact."""
         rows = []
         for place, rate, bend in self.born:
             x = float(sie.wrapped(np.array(place), float(table[0, 0]), self.period))
@@ -281,7 +301,7 @@ class PathPoint(sie.Kept):
 
 
 def with_born(zones: Array, places: Array, period: float | None) -> Array:
-    """The zones with zones of no width at some places, ascending."""
+    """The zones and, at the given places, new zones of no width; all in ascending order."""
     if len(places) == 0:
         return zones
     new = sie.wrapped(places, float(zones[0, 0]), period)
@@ -289,7 +309,7 @@ def with_born(zones: Array, places: Array, period: float | None) -> Array:
 
 
 def gap_around(zones: Array, place: float, period: float | None) -> tuple[float, float]:
-    """Ends of the gap that contains a scaled place, in the period of the place."""
+    """Ends of the gap that contains a scaled place, moved to the period in which the place lies."""
     x = float(sie.wrapped(np.array(place), float(zones[0, 0]), period))
     k = int(np.searchsorted(zones[:, 0], x, side="right")) - 1
     low, high = gaps_between(zones, period)[k] if k >= 0 else (-np.inf, float(zones[0, 0]))
@@ -304,7 +324,7 @@ def _tips(fields: Fields, near: float) -> Array:
 
 @record
 class Minimum:
-    """Place and value of a minimum, and half the second derivative there."""
+    """Place and value of a function's minimum, and half of its second derivative there."""
 
     place: float
     value: float
@@ -320,7 +340,8 @@ def local_minimum(
     """
     if not first < last:
         return Minimum(place, np.inf, 1.0)
-    # The spacing falls to 1e-5 of the interval; the error of the parabola is its fourth power.
+    # Four refinements reduce the spacing of the samples to 1e-5 of the interval. The error of the
+    # final parabola is of the fourth power in the spacing.
     for _ in range(4):
         x = np.linspace(first, last, 33)
         value = np.asarray(function(x))
@@ -343,7 +364,8 @@ def local_minimum(
 
 
 class Watched:
-    """An awaited event with the values of its condition at the solutions so far.
+    """An event that is being located, with the known values of its condition.
+    The condition is a least gap or pressure that is zero at the event.
 
     zero: estimate of the event's ln(load); inf if there is none.
     """
@@ -353,7 +375,7 @@ class Watched:
         self.zero, self.found = event.at, Minimum(event.place, np.inf, 1.0)
 
     def look(self, point: PathPoint) -> None:
-        """Add the condition's value at a solution."""
+        """Compute the event's condition for a solved contact, and add it to the known values."""
         self.found = self.event.condition(point)
         if not np.isfinite(self.found.value):
             self.zero = np.inf
@@ -363,7 +385,10 @@ class Watched:
         self.zero = self._estimate()
 
     def _estimate(self) -> float:
-        """Zero by inverse Hermite interpolation; by Newton's method if that is nearer."""
+        """Zero of the condition by inverse Hermite interpolation, or by Newton's method.
+        Newton's zero is taken if the interpolated one is farther from it than the length of
+        Newton's step.
+        """
         last, rises = self.values[-1], self.event.rises
         if not last.rate * rises > 0.0:
             return np.inf
@@ -381,7 +406,10 @@ class Watched:
 
 
 def follows(low: Solution) -> bool:
-    """Whether contact is known to grow, and rates have closed forms that hold for any load."""
+    """Whether this search for events applies to a solution.
+    It needs contact that grows with the load, and closed forms of the ends' rates that hold for any
+    load.
+    """
     scene, fields = low.scene, low.fields
     return (
         isinstance(fields, ZoneFields | GapFields)
@@ -438,7 +466,9 @@ class EventSearch:
         return None
 
     def _divided(self, here: PathPoint) -> list[Event] | None:
-        """The events after a contact, with a solution in the middle of the loads that are left."""
+        """The events after a contact, found in two halves of the remaining loads.
+        The contact is solved at a load in the middle, and the search is done on each side of it.
+        """
         if self.end - here.at < SEARCH.rough:
             return None
         load = float(np.exp(0.5 * (here.at + self.end))) * self.problem.units.load
@@ -448,11 +478,11 @@ class EventSearch:
         return None if first is None or second is None else first + second
 
     def _changes(self, here: PathPoint) -> bool:
-        """Whether the zones of the higher load are not as many, or not these."""
+        """Whether the zones of the higher load differ from the present ones in number or place."""
         return bool(changes(here.zones, self.last, here.period, True))
 
     def _next(self, here: PathPoint) -> Awaited | Renewal | None:
-        """The event that is predicted next; None if no further one is due.
+        """The event that is predicted next; None if no further event is expected.
 
         Far from here, the contact is solved before events are predicted.
         """
@@ -480,18 +510,21 @@ class EventSearch:
         return Renewal(here.at + 0.5 * left) if self._hides(here, left) else None
 
     def _hides(self, here: PathPoint, left: float) -> bool:
-        """Whether a zone may be born and merge up to the higher load although none is due.
+        """Whether a zone may be born and merge below the higher load although no event is expected.
 
         left: difference of ln(load) up to the higher load.
         """
         return left > SEARCH.rough and unexplained(here.ends, self.after, left, here.period)
 
     def _births(self, here: PathPoint) -> list[Birth]:
-        """Places that touch before those around them, in contact at the higher load."""
+        """Predicted births, at places that touch before the places around them.
+        All these places are in contact at the higher load.
+        """
         return [Birth(x, self.reach, at) for x, at in zip(*here.touches, strict=True)]
 
     def _mergers(self, here: PathPoint) -> list[Merger | Renewal]:
-        """Gaps that close, in contact at the higher load; and loads at which new zones are wide.
+        """Predicted mergers: gaps that close and are in contact at the higher load.
+        Also loads at which newly born zones become wide.
 
         The gaps beside zones of no width have no rates. Before these zones are half as wide as the
         gaps, the contact is solved anew.
@@ -516,7 +549,9 @@ class EventSearch:
         return out
 
     def _zone_over(self, x: Array) -> Array:
-        """Index of the zone of the higher load that contains scaled places, -1 for none."""
+        """Index of the zone, at the higher load, that contains each scaled place x.
+        The index is -1 if no zone contains the place.
+        """
         zones, period = self.last, self.problem.period
         x = sie.wrapped(x, float(zones[0, 0]), period)
         k = np.searchsorted(zones[:, 0], x, side="right") - 1
@@ -547,7 +582,8 @@ class EventSearch:
     def _located(
         self, here: PathPoint, awaited: Awaited | Renewal
     ) -> tuple[list[Event], PathPoint]:
-        """The next events, with the zones that `awaited` needs, and the contact after them.
+        """The next events and the contact after them.
+        The contact is solved with the zones that belong to the condition of `awaited`.
 
         There is no event if none is found up to the load at which the contact is solved.
         """
@@ -567,7 +603,7 @@ class EventSearch:
                     raise WrongTopology("zones are born at unknown loads", None)
                 return [], point
             before, error = error, abs(zero - at)
-            # The order of convergence is above two. The next error is far below this estimate.
+            # The order of convergence is above two, so the next error is far below this estimate.
             left = error * min(error / before, 1.0) ** 3 if np.isfinite(before) else error
             if left <= SEARCH.least_error:
                 return self._events_at(here, point, watched, zero)
@@ -577,7 +613,9 @@ class EventSearch:
     def _events_at(
         self, here: PathPoint, point: PathPoint, watched: list[Watched], zero: float
     ) -> tuple[list[Event], PathPoint]:
-        """The events at one load, and the contact after them; or those before it."""
+        """The events at the load `zero`, and the contact after them.
+        If another event comes before a merger, that event is returned instead.
+        """
         if zero < here.at - _OPTIONS.ends:
             raise WrongTopology("an event lies before the contact from which it was sought", None)
         if isinstance(watched[0].event, Merger):
@@ -608,7 +646,8 @@ class EventSearch:
         return events, self._point(point.fields, point.at, np.array(born).reshape(-1, 3))
 
     def _looked_at(self, here: PathPoint, birth: Birth) -> Birth | None:
-        """The birth with its condition at the last contact; None if the gap has no minimum there.
+        """The birth, with its condition (the least gap) at the contact `here`.
+        None if the gap has no minimum there.
 
         Zones that have just been born change the rates, so that they serve a prediction only.
         """
@@ -622,7 +661,9 @@ class EventSearch:
     def _overlapping(
         self, here: PathPoint, point: PathPoint, watched: list[Watched]
     ) -> list[Watched]:
-        """The births of zones where bodies overlap, if they are not watched yet."""
+        """Births of zones at places where the bodies overlap.
+        Places of births that are already in `watched` are left out.
+        """
         places = np.array([one.event.place for one in watched])
         found = []
         for place in point.overlaps:
@@ -633,7 +674,9 @@ class EventSearch:
         return found
 
     def _solved(self, base: PathPoint, at: float, joined: Array, ends: float) -> PathPoint:
-        """The contact at ln(load) with the zones of `base`, whatever the signs."""
+        """The contact at a given ln(load), computed from the zones of `base` as a first guess.
+        The number of zones is fixed, so the pressure or the gap may be negative.
+        """
         table = base.table(at, joined)
         if isinstance(self.form, GapForm):
             before = np.append(table[-1, 1] - self.problem.repeat_length, table[:-1, 1])
@@ -651,7 +694,7 @@ class EventSearch:
             fields.problem.period,
         )
         if period is not None:
-            # The period begins in a gap of the higher load.
+            # The border of the period is placed in a gap that is open at the higher load.
             zones = in_cell(
                 zones, float(last[0, 0] - 0.5 * (last[0, 0] + period - last[-1, 1])), period
             )

@@ -98,7 +98,8 @@ def _draw_events(
     curve: tuple[Array, Array],
     factors: tuple[float, float],
 ) -> None:
-    """Draw a mark on the curve for each event, and a line over it or, for many, a tick below it.
+    """Draw a mark on the curve for each event, and a vertical line at its load.
+    If there are many events, the line is only a short tick at the lower edge of the panel.
 
     Marks under a falling load are larger and hollow, so that marks under the rising load stay
     visible. The more events, the smaller the marks.
@@ -133,7 +134,9 @@ def _draw_events(
 def _vertices(
     loads: Array, values: Array, passed: Passed, known: dict[str, float]
 ) -> tuple[Array, Array]:
-    """Loads and ordinates of the curve's points: solutions, and events with a known ordinate."""
+    """Loads and ordinates of the curve's points.
+    These are the solutions, and the events whose kind has a known ordinate.
+    """
     points: list[tuple[float, float]] = []
     for load, value, since in zip(loads, values, passed, strict=True):
         points += [(event.load, known[event.kind]) for event in since if event.kind in known]
@@ -143,8 +146,8 @@ def _vertices(
 
 
 def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
-    """The ordinate at a load, interpolated linearly in the scales of the axes (e.g.
-    logarithmic).
+    """The ordinate of a curve at a load, by interpolation.
+    It is linear in the scales of the axes, which may be logarithmic.
     """
     order = np.argsort(x, kind="stable")
     to_x: Any = np.log if axes.get_xscale() == "log" else np.asarray
@@ -153,7 +156,7 @@ def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
 
 
 def _runs(loads: Array) -> list[tuple[int, int, bool]]:
-    """(start, stop, rising) of each monotone part of the loads; successive parts share an end."""
+    """Monotone parts of the loads, each as (start, stop, rising). Successive parts share an end."""
     runs: list[tuple[int, int, bool]] = []
     start = 0
     for k in range(1, len(loads)):
@@ -182,7 +185,7 @@ def draw_curve(
     jumps: Sequence[tuple[str, float, float, float, float]],
     label: str,
 ) -> None:
-    """Draw the load over the abscissa values `across`, and the jumps of the path.
+    """Draw the load over the values `across` of the abscissa, and the jumps of the path.
 
     across [m] and load: (n,), nan at jumps; rises: whether the control rises, (n,); jumps: (kind,
     abscissa and load before, abscissa and load after); label: of the abscissa.
@@ -191,8 +194,8 @@ def draw_curve(
     high = np.nanmax(np.abs([*load, *(p for _, *both in jumps for p in both[1::2]), 0.0]))
     (x, along), (y, unit) = scaled(float(far), "m"), scaled(float(high), "N/m")
     for rising, name in ((True, "rising"), (False, "falling")):
-        # A point at which the direction changes belongs to the rising curve and to the falling
-        # curve.
+        # A point at which the load path reverses belongs to the rising curve and to the falling
+        # one.
         mine = (rises == rising) | (np.append(rises[1:], rises[-1]) == rising)
         axes.plot(
             np.where(mine, across, np.nan) * x,

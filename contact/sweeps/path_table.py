@@ -57,13 +57,17 @@ Passed = Sequence[Sequence[Event]]
 
 
 def columns(solutions: Sequence[Solution]) -> dict[str, list[float]]:
-    """One list for each name in `NUMBERS`; nan for quantities that the scene does not define."""
+    """The summary numbers of all solutions, as one list for each name in `NUMBERS`.
+    A quantity that the scene does not define is nan.
+    """
     rows = [numbers(solution) for solution in solutions]
     return {name: [row[name] for row in rows] for name in NUMBERS}
 
 
 def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
-    """Dictionary of columns, events, scene and units in plain types; None for undefined numbers."""
+    """A dictionary of the path in plain types: columns, events, scene and units.
+    Undefined numbers are None.
+    """
     scene = solutions[0].scene
     events = [{**_event(e), "point": point} for point, since in enumerate(passed) for e in since]
     data: dict[str, Any] = plain(

@@ -163,7 +163,9 @@ class Path:
 
 
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
-    """The path along loads [N/m] for a law whose contact grows with load; see `contact.path`."""
+    """The path along loads [N/m], under a law whose contact grows with the load.
+    See `contact.path`.
+    """
     plastic = scene.law.routes.first is not None
     search = require("contact.sweeps.plastic_path").PlasticPath if plastic else PathSearch
     run: PathSearch = search(scene, tol, progress)
@@ -196,7 +198,8 @@ class PathSearch:
         self.events_found = 0
 
     def intermediate(self, load: float, start: Solution) -> Solution:
-        """A solution at the intermediate load `load`, accurate enough to count its zones.
+        """The solution at a load between two others, accurate enough to count its zones.
+        It is started from the solution `start`.
 
         Close to an event, a zone or gap may be too narrow for the tolerance. The best state is then
         used if the signs of its pressure and gap are right.
@@ -270,7 +273,7 @@ class PathSearch:
         """The events between a solution and full contact; the last event closes the last gap."""
         assert low.scene.period is not None
         load = self.curve.cache.full.onset_pressure * low.scene.period
-        # `last` is a solution just below the load of full contact, where one gap is still open.
+        # `last` is the solution just below the load of full contact, where one gap is still open.
         last = self.intermediate(max(low.load, load * (1 - OPTIONS.same)), low)
         return [*self._events(low, last), *_full_event(load, full, last)]
 
@@ -344,7 +347,7 @@ class _Condition:
         return self.of(self.formal(load))
 
     def of(self, fields: Any) -> float:
-        """Value of the condition: the least gap or pressure where the event takes place.
+        """Value of the condition: the least gap or the least pressure near the place of the event.
 
         It is the least gap around a zone to be born, or the least pressure between two zones that
         have merged. fields: pressure and gap, computed with a fixed number of zones.
@@ -361,8 +364,9 @@ class _Condition:
             if not isinstance(fields, GapFields)
             else GapForm(self.problem, fields.relief)
         )
-        # The keys are scaled loads, the values are the zones (or gaps) at these loads. The second
-        # entry, for a load close to the first one, is extrapolated by the rates of the ends.
+        # The keys of this table are scaled loads, the values are the zones (or gaps) at these
+        # loads. The second entry is for a load close to the first one. Its zones are extrapolated
+        # by the rates of the ends (derivatives by ln(load)).
         load, table = fields.load / fields.problem.units.load, fields.solved_zones.table
         self.tables: dict[float, Array] = {
             load: table,

@@ -24,7 +24,7 @@ from sie import Array, Index, Mask, record
 
 
 def _places(count: int) -> Array:
-    """Positions in (0, 1), closer together near both ends, where contact is more likely."""
+    """Sample positions in (0, 1), closer together near both ends, where contact is more likely."""
     return np.asarray(np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2)
 
 
@@ -106,7 +106,9 @@ NOT_CHECKED = Certificate(
 
 
 def _allowed_gap(fields: ZoneFields) -> float:
-    """Bound of the scaled gap that the error of the density causes on the zones, with a margin."""
+    """Bound of the scaled gap computed on the zones, where the exact gap is zero.
+    It allows for the error of the density (the scaled pressure), with a safety factor.
+    """
     state, zones = fields.state, fields.density.zones
     moved = state.density_error * state.size * float((zones.b - zones.a).sum())
     return (
@@ -138,9 +140,9 @@ def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
     `on_zones`.
     """
     zones = fields.density.zones
-    # The exact gap on the zones is zero, so the values computed there measure the error of all
-    # values.
-    # On a rim that is narrower than its zone they measure the error of its place instead.
+    # The exact gap on the zones is zero, so the gap computed there measures the error of all gaps.
+    # Rims (zones between two different end values) with a width that is smaller than computed are
+    # left out: there the gap would measure the error of the rim's place.
     wide = np.flatnonzero(zones.depth == 0.0)
     places = (zones.middle[wide, None] + zones.half[wide, None] * chebyshev_nodes(4)).ravel()
     errors = np.abs(fields.formal_gap(places)) if len(places) else np.zeros(1)
@@ -219,6 +221,7 @@ def _load_balance(fields: ZoneFields, load: float) -> float:
 
 class _Equilibrium(NamedTuple):
     """Result of the check of an equilibrium: error of the edge intensity, and stability.
+    The edge intensity is the factor of 1/sqrt(distance) in the pressure at an end.
 
     fault: the checks that fail, in words. note: the checks that hold.
     """
@@ -259,7 +262,8 @@ def unresolved_gaps_note(gaps: int, over: str) -> str:
 
 
 def _intensity_error(fields: ZoneFields) -> float:
-    """Largest error of the intensity at the ends, relative to the law's intensity.
+    """Largest error of the edge intensity at the ends, divided by the intensity of the law.
+    The edge intensity is the factor of 1/sqrt(distance) in the pressure near an end.
 
     At a fixed end the intensity only has to reach at least the law's value.
     """
@@ -295,6 +299,7 @@ def _moment_balance(fields: ZoneFields) -> float | None:
 
 def pressure_signs(fields: ZoneFields, limit: float | None = None) -> Signs:
     """Signs of the scaled pressure divided by sqrt(1 - t^2), on all zones.
+    t is the normalised position in a zone, from -1 to 1.
 
     limit: None, or the scaled limit of the pressure; then the signs are those of the limit less the
     pressure.
@@ -326,7 +331,9 @@ def pressure_signs(fields: ZoneFields, limit: float | None = None) -> Signs:
 
 
 def bounded_weight(zones: sie.Zones, left: Array, right: Array) -> Array:
-    """Factor sqrt(1 - t^2) of a pressure that is 0 at both ends; other exponents with kappa."""
+    """Factor sqrt(1 - t^2) of a pressure that is 0 at both ends.
+    With elastic mismatch (kappa) the exponents differ from 1/2.
+    """
     if zones.weight.is_half:
         return np.asarray(np.sqrt(left * right))
     at_left, at_right = 1 - zones.weight.exponent[:, 0]
@@ -334,7 +341,8 @@ def bounded_weight(zones: sie.Zones, left: Array, right: Array) -> Array:
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals of negative pressure around concave kinks, number of kinks with unresolved gaps).
+    """Intervals of negative pressure around concave kinks, and a number of unresolved gaps.
+    This number is that of the concave kinks whose gap is narrower than the samples resolve.
 
     At a jump J < 0 of f' the pressure goes to -inf as (E* |J| / 2 pi) ln(distance): there is a gap,
     however narrow. It is unresolved if it is narrower than the nearest sample.
@@ -408,7 +416,8 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:
-    """Mask of samples whose gap is round-off, from a zone to the nearest sample that is open.
+    """Mask of the samples next to a zone whose gap is round-off, up to the first open sample.
+    A sample is open if its gap is clearly above round-off.
 
     Samples are sorted by interval and place. At a small distance d from a zone, the gap grows as
     d^(3/2), and has the sign of the pressure's slope.
@@ -426,7 +435,9 @@ def _finite(gap: Array) -> Array:
 
 
 def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, float]]:
-    """Intervals around runs of failed samples in (lo, hi), up to the next samples that pass."""
+    """Intervals around runs of samples that fail, up to the next samples that pass.
+    The intervals lie in (lo, hi).
+    """
     return [
         (
             float(x[max(s - 1, 0)]) if s else lo,
@@ -520,5 +531,5 @@ class Solved:
 
     @property
     def error(self) -> float:
-        """Bound of the relative errors of pressure and ends; see `Solution.error`."""
+        """Bound of the relative errors of the pressure and of the ends; see `Solution.error`."""
         raise NotImplementedError

@@ -56,7 +56,9 @@ class SolvedZones(Solved):
         )
         follows = ~self.free.narrow_rims
         changes = (ends[:, 0] * by_left + ends[:, 1] * by_right)[follows]
-        # The scale of an end beside a rim is not the rim's width, but that of what is beside it.
+        # The errors of a zone's ends are relative to a length `end_scales`. It is the width of the
+        # zone or, for a rim (a zone between two different end values), the width of the gap or
+        # plateau beside the rim. The factor here makes the errors relative to the zone's width.
         changes = changes * (self.free.end_scales / (2 * density.zones.half))[follows]
         moved = float(changes.max(initial=0.0)) / peak
         on_zones = (TOLERANCES.singular_end if singular else 1) * (
@@ -81,7 +83,7 @@ class SolvedZones(Solved):
 
     @property
     def _density_error(self) -> float:
-        """Error of the pressure on the present zones.
+        """Error of the pressure at fixed normalised positions in the zones.
 
         At equal normalised position on a narrow rim the pressure is the same, wherever the rim is
         and however wide. An error of its level only moves the rim.
@@ -110,7 +112,8 @@ class SolvedZones(Solved):
 
 
 def _bent_rims(found: SolvedZones) -> tuple[Array, Array]:
-    """Errors of places (Z, 1) and of the pressure (Z,) by the widths of narrow rims.
+    """Errors of places (Z, 1) and of the pressure (Z,) that the widths of narrow rims cause.
+    A rim is a zone between two different end values of the density.
 
     On a narrow rim the pressure passes evenly from one value to the other, up to a difference that
     is proportional to the width. The true width may be less than that of the zone (`Zones.depth`),
@@ -124,7 +127,8 @@ def _bent_rims(found: SolvedZones) -> tuple[Array, Array]:
     value, width = np.abs(zones.values[:, narrow]).max(axis=0), 2 * zones.half[narrow]
     bent, too_wide = found.free.bent_rims[narrow], -np.expm1(zones.depth[narrow])
     of_width = found.ends[narrow].sum(axis=1) * scales[narrow] / width
-    # A shift by some widths changes the right side on the rim by this share of its variation.
+    # An error of the rim's place, counted in widths of the rim, changes the right side by this
+    # share of its variation on the rim.
     of_width = found.tolerance + of_width * bent / value
     part = np.minimum(of_width + bent / value * too_wide, 1.0)
     pressures, places = none.copy(), none.copy()
@@ -162,7 +166,8 @@ def _kernel_rounding(problem: Problem, table: Array) -> float:
 
 
 def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
-    """Message that the body's kernel limits the accuracy on the scaled zones `table` (n, 2).
+    """Message that the kernel of the body limits the accuracy; empty if it does not.
+    `table` holds the scaled zones (n, 2).
 
     It is empty if the tolerance can be reached all the same.
     """
@@ -233,7 +238,7 @@ def _is_singular(density: sie.AnyDensity) -> bool:
 def reference(
     density: sie.AnyDensity, free: sie.End, borne: float | None = None, tips: bool | None = None
 ) -> float:
-    """The pressure by which errors are divided: the peak, or the mean contact pressure.
+    """The pressure by which pressure errors are divided: the peak, or the mean contact pressure.
 
     The mean is taken where the peak is infinite. If free ends have a singular tension, the largest
     p sqrt(1 - t^2) is taken, or its value at the ends if that is larger. free: kind of the free
@@ -265,7 +270,7 @@ def limit(
     end: sie.End = sie.FREE,
     error: float = 0.0,
 ) -> str:
-    """Message that rounding keeps the ends from reaching the tolerance `tol`; empty if not.
+    """Message that rounding keeps the ends from the tolerance `tol`; empty if it does not.
 
     of: "zone" or "gap". positions: see `position_rounding`. end: kind of the free ends. error:
     stated error of a contact whose unknowns are the gaps.
@@ -332,7 +337,7 @@ class SolvedGaps(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Message on the error of the relief R if it causes most of the stated error; else empty.
+        """Message on the error of the relief R; empty if this error is a minor part of the error.
 
         R = G f' is defined in contact.formulation.gaps.
         """
@@ -369,8 +374,8 @@ class SolvedGaps(Solved):
         if not unit > 0.0:
             return np.inf  # zones so narrow have no sample
         slope = min(fields.steepest / unit, 1 / varies)
-        # The effect of a gap's moved ends on the pressure decreases with the distance from the gap,
-        # as (width of the gap / distance)^2.
+        # If the ends of a gap move, the effect on the pressure decreases with the distance from the
+        # gap, as (width of the gap / distance)^2.
         seen = (
             np.minimum((gaps.b - gaps.a) / (TOLERANCES.unresolved_distance * fields.period), 1.0)
             ** 2
@@ -419,7 +424,8 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure in each zone, at the least distance from a tip with a stated error.
+        """Slope of the pressure next to a tip, for each zone.
+        It is taken at the least distance from a tip for which an error is stated.
 
         A tip is a convex kink of the profile. The slope is J / pi divided by the distance from the
         tip, with J the largest jump of f' at the tips in the zone. At smaller distances the stated

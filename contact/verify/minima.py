@@ -23,8 +23,8 @@ class SamplingOptions:
     min_points: int = 48  # in an interval: three of them in the first hundredth of a gap
     max_points: int = 2**17  # largest number if the profile states its resolution
     max_guessed_points: int = 4000  # largest number if the resolution is a guess
-    # Largest number of zooms, each of which narrows the bracket to a quarter or less. Without this
-    # limit they would not end around a minimum that touches zero, or at a kink.
+    # Largest number of zooms on a minimum; each zoom narrows the bracket to a quarter or less.
+    # Without this limit the zooms would not end around a minimum that touches zero, or at a kink.
     max_zooms: int = 7
 
 
@@ -93,7 +93,7 @@ def follow(
 def zoomed(
     at: Array, value: Array, rounding: Array, others: tuple[Any, ...]
 ) -> tuple[Array, Array, tuple[Any, ...]]:
-    """Narrower brackets around the least sample of each row, if the row needs more samples.
+    """Narrower brackets around the smallest sample of each row, for rows that need more samples.
 
     at, value: places and values of the samples (k, n). rounding: that of the values (k,). others:
     arrays (k,) to be reduced to the rows that remain. Returns the lower and upper ends of the
@@ -174,8 +174,8 @@ def signs_on(
         theta = (np.arange(n) + 0.5) * np.pi / n
         value, rounding, scale = sampled(group, theta)
         points += value.size
-        # Close to the ends of an interval, and close to other intervals, the values tend to zero.
-        # There a negative value is not a failure if its size is at most `rounding`.
+        # Close to the ends of an interval, and close to other intervals, the values tend to zero. A
+        # negative value there is not a failure if its size is at most `rounding`.
         least = min(
             least, float(np.where(np.abs(value) <= rounding[:, None], np.abs(value), value).min())
         )

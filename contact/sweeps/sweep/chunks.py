@@ -39,8 +39,8 @@ class ChunkOptions:
     # Number of chunks for each process. It is above 1, so that all processes finish at about the
     # same time.
     per_process: int = 4
-    # A process sends its finished rows after this time [s]. If the process dies, no more work than
-    # that is lost.
+    # A process returns its finished rows after this time [s]. If the process dies, at most the work
+    # of this time is lost.
     seconds: float = 20.0
 
 
@@ -64,7 +64,9 @@ class Chunk:
 
     @classmethod
     def of_curve(cls, control: str, places: Sequence[int], values: Array) -> "Chunk":
-        """A chunk that returns whole solutions, at some of the values of a control."""
+        """A chunk of points along a curve: the scene at some of the values of a control.
+        Its rows hold whole solutions.
+        """
         settings: list[dict[str, Value]] = [
             {BRANCH: BRANCHES[0], f"control.{control}": float(values[place])} for place in places
         ]
@@ -76,7 +78,7 @@ class Chunk:
             yield replace(self, places=(place,), settings=(setting,))
 
     def without(self, rows: Rows) -> "list[Chunk]":
-        """A list of one chunk with the points that are not in `rows`; empty if no point is left."""
+        """A list of one chunk with the points that are not in `rows`; empty if there are none."""
         done = len(rows)
         return (
             [replace(self, places=self.places[done:], settings=self.settings[done:])]
@@ -88,7 +90,7 @@ class Chunk:
 def chunks_of(
     axes: Sequence[Axis], wanted: Mask, solvers: int | None, branch: str = BRANCHES[0]
 ) -> list[Chunk]:
-    """The wanted points of the grid, divided into chunks for a number of processes.
+    """The points of the grid to be solved, divided into chunks for a number of processes.
 
     wanted: flat mask; solvers: number of processes, None: one chunk per curve; branch: the branch
     if it is not varied.
@@ -122,7 +124,7 @@ def chunks_of(
 
 
 def solve_chunk(scene: Scene, chunk: Chunk, tol: float) -> Rows:
-    """The first row of a chunk, and further rows until the chunk's time limit is reached.
+    """Solve a chunk and return its finished rows: at least one, and more until the time is over.
 
     An error at one point becomes the row of that point.
     """
@@ -167,7 +169,7 @@ def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
         return None
     known: list[Scene] = []
     for setting in chunk.settings:
-        # The error of an invalid point is reported when that point is solved.
+        # An invalid point is left out here. Its error is reported when the point itself is solved.
         with suppress(Exception):
             known.append(varied(scene, setting))
     if not known:

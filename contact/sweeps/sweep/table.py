@@ -61,7 +61,7 @@ class Table:
             self.failed[place] = row["failed"]
 
     def point(self, place: int) -> str:
-        """The keys of one point with their values, as text."""
+        """Text that names the varied keys and their values at one point of the grid."""
         index = np.unravel_index(place, self.shape)
         return ", ".join(
             f"{axis.key} = {axis.values[i]}" for axis, i in zip(self.axes, index, strict=True)
@@ -112,7 +112,9 @@ class Table:
             temporary.unlink(missing_ok=True)
 
     def take_over(self, path: Path) -> None:
-        """Read results from a file; SceneError unless the file's scene and points fit this grid."""
+        """Take over the results in a file.
+        Raises SceneError unless the scene and the points of the file fit this grid.
+        """
         known = _read(path)
         dims = [axis.name for axis in self.axes]
         if sorted(map(str, known.dims)) != sorted(dims):
@@ -164,7 +166,8 @@ def _described(axis: Axis) -> dict[str, str]:
 def _read(path: Path) -> Any:
     try:
         with require("xarray").open_dataset(path, engine="h5netcdf") as opened:
-            # Files of earlier versions have the keys themselves as names.
+            # In files of earlier versions, the dimensions are named by the keys of the scene
+            # themselves.
             known = opened.rename({name: name_of(str(name)) for name in opened.dims}).load()
         missing = {*NUMBERS, *_WORDS, "failed"} - set(known.data_vars) or {"scene"} - set(
             known.attrs
