@@ -148,7 +148,7 @@ def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
 
 
 def _resolved(profile: Profile, panels: "_Panels") -> "_Panels":
-    """The panels, with those divided on which the quadrature error exceeds the rounding."""
+    """The panels; those whose quadrature error exceeds the rounding are divided into parts."""
     coarse = panels.quadrature > panels.rounding
     if not coarse.any():
         return panels

@@ -413,7 +413,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         )
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
-        """Yield scaled intervals without contact: (from, to, starts at a zone, ends at a zone).
+        """Yield scaled open intervals: left end, right end, and whether each is the end of a zone.
 
         A half-line is cut off at the distance `far_from` times the span of the zones.
         """

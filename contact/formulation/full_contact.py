@@ -30,7 +30,7 @@ from sie import Array, Complex, record
 
 
 class FullLimit(sie.Kept):
-    """Onset of full contact of a periodic profile.
+    """Onset of full contact of a periodic profile under growing load.
     `pressure`: mean pressure [Pa] at the onset, inf without an onset.
 
     approached: whether contact under growing loads tends to full contact; it does over concave
