@@ -36,8 +36,8 @@ def require(name: str) -> Any:
         with uncollected():
             return importlib.import_module(name)
     except ImportError as error:
-        # Modules of this package always exist. If one of them cannot be imported, the missing
-        # package is one that this module imports.
+        # `contact` modules always exist. If one of them cannot be imported, the missing package is
+        # one that this module imports, so its name is taken from the error.
         package = (error.name if name.startswith("contact.") and error.name else name).partition(
             "."
         )[0]
@@ -74,7 +74,7 @@ def version() -> str:
 
 
 def other_package() -> str:
-    """A message if another project named `contact` is installed as well; else ""."""
+    """A warning if another package named `contact` is installed as well; else the empty text."""
     metadata = require("importlib.metadata")
     try:
         other = metadata.version("contact")

@@ -36,7 +36,8 @@ from sie import Array, record
 
 @record
 class Rate:
-    """Derivatives of a contact, in SI units, by one parameter at a fixed or a growing load.
+    """Derivatives of the fields of a contact, in SI units, by one parameter.
+    The load is fixed or grows with the parameter.
 
     load: derivative of the load. approach: that of the approach of heights f, not counted from the
     lowest place; nan if it has no datum. ends: outward motions (n, 2), loads (n,), intensities k
@@ -58,26 +59,27 @@ class Rate:
 
 @record
 class Turned:
-    """How the load and the moment of a contact grow: their derivatives, in scaled units."""
+    """Derivatives of the load and the moment by the parameter, in scaled units."""
 
     load: float = 0.0
     moment: float = 0.0
 
 
 def changed(problem: Problem, direction: Profile, moment: float) -> Problem:
-    """The problem whose profile is a change of the profile."""
+    """The problem for a derivative, whose profile is the change `direction` of the profile."""
     given = None if problem.moment is None else moment
     return replace(problem, profile=direction, lowest=0.0, moment=given)
 
 
 def held(zones: sie.Zones) -> sie.Zones:
-    """The same zones with fixed, singular ends."""
+    """The same zones with fixed ends, at which the pressure may be singular."""
     kinds = (sie.SINGULAR,) * len(zones)
     return replace(zones, left=kinds, right=kinds, symmetric=False)
 
 
 def rate_of(fields: Fields, direction: Profile, load: float, moment: float = 0.0) -> Rate:
-    """The derivative along a change of the profile, under a load that grows at the rate `load`.
+    """The derivative of a contact as its profile changes along `direction`.
+    Meanwhile the load grows at the rate `load`, and the moment at the rate `moment`.
 
     load: [N/m] per unit of the parameter. moment: [N] likewise, if the moment is given.
     """
@@ -102,12 +104,13 @@ def rate_of(fields: Fields, direction: Profile, load: float, moment: float = 0.0
 
 @record
 class RateFields(ZoneFields):
-    """The fields of the derivative of a pressure on its zones."""
+    """The pressure and the displacement that are the derivatives of those of a contact."""
 
     @cached_property
     def levels(self) -> Array:
-        # At the middles: beside an end, where the derivative is singular, the displacement is as
-        # steep as a square root, and a rounded place costs half of the digits.
+        # The displacement is taken at the middles of the zones. At an end the derivative is
+        # singular, and its displacement as steep as a square root, so that a rounded position costs
+        # half of the digits.
         middle = self.density.zones.middle
         return -(self._relative_displacement(middle) + self.standing_shape(middle))
 
@@ -197,7 +200,7 @@ def _of_gaps(fields: GapFields, direction: Profile, grown: Turned) -> Rate:
 
 
 def _by_zones(of_gaps: Array) -> Array:
-    """Values at the ends of zones (n, 2) from those at the ends of gaps (2, n)."""
+    """Table (n, 2) of values at the ends of zones, from values (2, n) at the ends of the gaps."""
     return np.column_stack((of_gaps[1], np.roll(of_gaps[0], -1)))
 
 
@@ -214,7 +217,8 @@ def _of_full(fields: FullFields, direction: Profile, load: float) -> Rate:
 
 
 def with_moved_zones(fields: Fields, outward: Array) -> Fields:
-    """The fields on zones whose ends are moved outward by `outward` (n, 2) [m].
+    """The fields of the same contact on zones whose ends are moved.
+    `outward` (n, 2) [m] has the outward motions.
 
     The pressure then need not vanish at the ends: it shows how much follows from errors of them.
     """

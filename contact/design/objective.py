@@ -22,7 +22,7 @@ Judged = Callable[[Sequence[Array]], tuple[float, Sequence[ArrayLike]]]
 
 @dataclass(frozen=True)
 class Objective:
-    """A function of a number of the contact, to be made as small as possible.
+    """An objective for a design: a function of one result of the contact, to be minimized.
 
     Parameters
     ----------
@@ -63,7 +63,8 @@ class Objective:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """The sum of squares of the differences between a number and measured values of it.
+    """An objective that fits a result of the contact to measured values.
+    It is the sum of the squares of their differences.
 
     Parameters
     ----------
@@ -106,7 +107,9 @@ class Measured:
 
 
 def objective_of(given: Any) -> Objective | Measured:
-    """The objective that a user means: a name, a name with a minus sign, or an object."""
+    """The objective as an object.
+    The user gives a name, a name with a minus sign (to maximize), or an object.
+    """
     if isinstance(given, (Objective, Measured)):
         return given
     if not isinstance(given, str):

@@ -17,7 +17,9 @@ from sie import Array
 
 @dataclass(frozen=True)
 class Variables:
-    """Names of the data, how many entries each has, and the bounds of all entries."""
+    """The data of a scene that a design may change.
+    They have names, numbers of entries, and bounds for all entries.
+    """
 
     scene: Scene
     names: tuple[str, ...]
@@ -27,7 +29,9 @@ class Variables:
 
     @classmethod
     def of(cls, scene: Scene, over: Any) -> Variables:
-        """Checked variables; raises SceneError for unknown names and bounds that are none."""
+        """Variables from the user's mapping of names to bounds.
+        Raises SceneError for an unknown name or invalid bounds.
+        """
         if not isinstance(over, Mapping) or not over:
             raise SceneError.of(
                 "over",
@@ -38,7 +42,8 @@ class Variables:
         for name, bounds in over.items():
             value = np.asarray(_value(scene, name), dtype=float)
             try:
-                # Profiles leave out zeros at the end of their coefficients: bounds may have more.
+                # A profile leaves out zeros at the end of its list of coefficients, so the bounds
+                # may have more entries than the list.
                 count = max(value.size, *(np.size(bound) for bound in bounds)) if value.ndim else 1
                 lo, hi = (np.broadcast_to(np.asarray(b, dtype=float), (count,)) for b in bounds)
             except (TypeError, ValueError):
@@ -55,7 +60,7 @@ class Variables:
 
     @property
     def start(self) -> Array:
-        """The vector of the scene itself."""
+        """The scaled vector that gives the scene's own data; its entries run from 0 to 1."""
         values = [
             _padded(_value(self.scene, name), count)
             for name, count in zip(self.names, self.counts, strict=True)
@@ -63,9 +68,12 @@ class Variables:
         return np.asarray((np.concatenate(values) - self.low) / (self.high - self.low))
 
     def values(self, vector: Array) -> dict[str, Any]:
-        """The data by name."""
+        """The data by name, from the scaled vector whose entries run from 0 to 1 between the
+        bounds.
+        """
         entries = self.low + vector * (self.high - self.low)
-        # A zero at the end would be left out, and with it the derivative by it.
+        # A zero at the end of a list of coefficients would be left out by the profile, and with it
+        # the derivative by this coefficient. So zeros are replaced by the smallest positive number.
         entries = np.where(entries == 0.0, np.finfo(float).tiny, entries)
         parts = np.split(entries, np.cumsum(self.counts)[:-1])
         return {
@@ -74,7 +82,7 @@ class Variables:
         }
 
     def scene_of(self, vector: Array) -> Scene:
-        """The scene with these data."""
+        """The scene with the data that this scaled vector (entries from 0 to 1) stands for."""
         single: dict[str, Any] = {}
         bodies: dict[str, dict[str, Any]] = {}
         for name, value in self.values(vector).items():
@@ -87,7 +95,9 @@ class Variables:
         return varied(replace(self.scene, profile=profile), single)
 
     def gradient(self, by: Sensitivity, number: str) -> Array:
-        """Derivatives of a number by the vector: (entries of the vector, *shape of the number)."""
+        """Derivatives of a result by the scaled vector.
+        Their shape is (entries of the vector, *shape of the result).
+        """
         parts = []
         for name in self.names:
             value = np.asarray(by.of(number, to=name).value)

@@ -16,7 +16,7 @@ from contact.solver import tolerance
 def explore(
     scene: Scene | str | PathLike[str] | None = None, tol: float = 1e-8, port: int | None = None
 ) -> Page:
-    """A page with sliders for a scene.
+    """Open a page with sliders for the numbers of a scene.
 
     It shows both bodies, the pressure, the stress below, the load curve and the stated error.
 
@@ -56,7 +56,9 @@ def explore(
 
 
 def _given(scene: Any) -> Given:
-    """The scene, the tables of its file, and the folder of the file; of a preset for None."""
+    """The scene, the tables of its file and the file's folder.
+    If `scene` is None, a preset wave is taken.
+    """
     if scene is None:
         tables = tomllib.loads(PRESETS["wave"].text)
         return Given(scene_from_tables(tables), tables, preset="wave")

@@ -29,10 +29,10 @@ from sie import Array
 
 @dataclass(frozen=True)
 class FrameOptions:
-    """Resolution of frames and of load curves."""
+    """Numbers of points and tolerances for the pictures and load curves of the page."""
 
-    # Number of points of a curve while a slider moves, one for every second pixel column. More
-    # points are added at the ends of zones.
+    # Number of points of a curve while a slider moves: one for every second column of pixels. More
+    # points are added at the ends of contact zones.
     points_while_moving: int = 500
     # Tolerance while a slider moves. Four digits are shown, and a picture shows three.
     tol_while_moving: float = 1e-4
@@ -48,7 +48,8 @@ _REPORT = "contact.solution.stress_report"
 
 @dataclass(frozen=True)
 class Frame:
-    """The curves of a solution, in the units that `names` gives.
+    """One picture of a solution: the curves of body, surface, contact and pressure.
+    `names` gives the units of the axes.
 
     fields: rows of x, heights of the body, heights of the deformed surface, heights in contact, and
     pressure; zones: rows of ends; names: labels of x, height and pressure. details: other numbers
@@ -67,8 +68,8 @@ def drawn(
     points: int = POINTS.screen_points,
     stretch: tuple[float, float] | None = None,
 ) -> Frame:
-    """The frame of a solution, with about `points` points in its curves, and as many in a stretch
-    of x [m] that is enlarged.
+    """The curves of a solution for the picture, with about `points` points each.
+    If `stretch` is given, as many points are added in this enlarged interval of x [m].
 
     Its details are `along` (units of x per metre), the lowest and largest pressure of the picture,
     the mean pressure, and the places at which the pressure is infinite.
@@ -86,8 +87,8 @@ def drawn(
         min(surface[below].min(), body[seen].min()),
         max(surface[below].max(), body[seen].max()),
     )
-    # A flat punch is infinitely high outside its corners. Its walls are drawn as high as the range
-    # of all other heights.
+    # Outside its corners, a flat punch is infinitely high. The walls of the punch are drawn as high
+    # as the range of all other heights.
     span = high - low
     body, surface = np.where(seen, body, high + span), np.where(below, surface, low - span)
     along = scaled(max(abs(lo), abs(hi)), "m")
@@ -96,8 +97,8 @@ def drawn(
     size = float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0))
     push = scaled(size if top <= 0 else top, "Pa")
     rising, falling = _infinite(solution, x, pressure, zones)
-    # The pressure is infinite at corners and at adhesive ends: the curve of the pressure is cut off
-    # there. Infinite tension is drawn as far below zero as the peak is above zero.
+    # The pressure is infinite at corners and at adhesive ends, so its curve is cut off there.
+    # Infinite tension is drawn as far below zero as the highest pressure is above zero.
     lowest = -abs(top) if len(falling) else float(np.nanmin(pressure, initial=0.0))
     shown = np.clip(np.nan_to_num(pressure, nan=0.0), 1.5 * lowest, 1.5 * abs(top))
     touching = np.where(on_zones(x, zones), surface, np.nan)
@@ -134,7 +135,7 @@ def _infinite(solution: Solution, x: Array, pressure: Array, zones: Array) -> tu
 
 
 def numbers(frame: Frame, seconds: float) -> list[tuple[str, str]]:
-    """Names and values of the numbers shown for a solution, as text."""
+    """(name, value as text) of each number that the page shows for a solution."""
     solution = frame.solution
     zones = len(solution.zones)
     rows = [
@@ -163,7 +164,7 @@ def numbers(frame: Frame, seconds: float) -> list[tuple[str, str]]:
 
 @dataclass(frozen=True)
 class Below:
-    """The stress below the surface, as the page draws it.
+    """The stress below the surface as the page draws it: values on a grid, and how to show them.
 
     values: rows of stresses [Pa] at the middles of equal cells, NaN where it is infinite; details:
     the rectangle [m] in the units of x, the name, and the largest stress with its place.
@@ -181,7 +182,7 @@ def below(
     columns: int,
     find_largest: bool,
 ) -> Below:
-    """The stress below the surface on a grid of `columns` columns, for the picture.
+    """The stress below the surface on a grid of `columns` columns, to be drawn as a picture.
 
     kind: "mises" for the von Mises stress, else the largest shear stress in the plane;
     stretch: interval of x [m], None for all; find_largest: whether the largest stress of the body
@@ -239,7 +240,7 @@ def message(error: Exception) -> str:
 
 
 def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[str, str]]:
-    """The point of a solution on the load curve: abscissa, ordinate, and their names and units.
+    """The point of a solution on the load curve: (abscissa, ordinate, name and unit of each).
 
     Names and units are two pairs (name, unit).
 
@@ -261,7 +262,9 @@ Point = list[float | None]
 
 
 def point_of(solution: Solution) -> Point:
-    """The point of a solution on the load curve, with the slope if it is that of the approach."""
+    """The point of a solution on the load curve.
+    The slope of the curve is added if the abscissa is the approach and the slope is known.
+    """
     across, up, *_ = place_on_curve(solution)
     slope = solution.stiffness
     if slope is None or not np.isfinite(slope):
@@ -270,7 +273,8 @@ def point_of(solution: Solution) -> Point:
 
 
 def load_curve(scene: Scene, control: Handle, tol: float, progress: Progress) -> Iterator[Solution]:
-    """Solutions at increasing values of the control. Values without a solution are left out.
+    """Solutions at increasing values of the controlled quantity, such as the load.
+    Values without a solution are left out.
 
     Points are close together where loads are small, where the curve bends most.
     """
@@ -292,7 +296,8 @@ def load_curve(scene: Scene, control: Handle, tol: float, progress: Progress) ->
 
 @dataclass(frozen=True)
 class Branches:
-    """The load curve of surfaces that adhere: lines of points, and jumps between lines.
+    """The load curve of surfaces that adhere, as lines of points.
+    Approach and separation have lines of their own, with jumps between lines.
 
     advancing, receding: the lines under a rising and under a falling control.
     """
@@ -303,7 +308,7 @@ class Branches:
 
 
 def both_branches(scene: Scene, control: Handle, tol: float, progress: Progress) -> Branches:
-    """The load curve there and back, with every jump.
+    """The load curve for increasing and then decreasing control, with every jump.
 
     The highest value is lowered until it has a solution, as an approach has up to full contact.
     """
@@ -344,7 +349,7 @@ def both_branches(scene: Scene, control: Handle, tol: float, progress: Progress)
 
 
 def _sides(event: Any, abscissa: str) -> list[tuple[Any, float]]:
-    """The abscissa and the load before and after an event of a path."""
+    """(abscissa, load) just before and just after an event, such as a jump, on a loading path."""
     if abscissa == "approach":
         ways = getattr(event, "approach", None), getattr(event, "approach_after", None)
     else:
@@ -356,7 +361,7 @@ def _sides(event: Any, abscissa: str) -> list[tuple[Any, float]]:
 
 
 def same_curve(one: Scene, other: Scene) -> bool:
-    """Whether two scenes differ only in the value of their control.
+    """Whether two scenes differ only in the value of their control, such as the load.
 
     Then they have the same load curve.
     """

@@ -29,14 +29,14 @@ UNITS = {**TURNING, **dict.fromkeys(_LENGTHS, "m"), "E_star": "Pa", "work": "J/m
 
 @dataclass(frozen=True)
 class HandleOptions:
-    """Options for the ranges and steps of the sliders."""
+    """Options for the ranges and the resolution of the sliders."""
 
     # Largest value of a slider, divided by the present value. The smallest value is the present
     # value divided by this number.
     reach: float = 10.0
     # Smallest and largest number of samples that a slider can set.
     samples: tuple[int, int] = (8, 1024)
-    # Number of steps between the smallest and the largest value of a slider.
+    # Number of positions of a slider between its smallest and its largest value.
     steps: int = 400
 
 
@@ -92,7 +92,8 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
 
 
 def moduli_handles(material: Mapping[str, float]) -> tuple[Handle, ...]:
-    """The sliders of the moduli of a scene file: E1, nu1, E2 and nu2. None if it gives E_star.
+    """Sliders for the elastic constants of a scene file: E1, nu1, E2 and nu2.
+    Empty if the file gives E_star instead.
 
     They have no `at`: a scene knows E* only, which follows from all of them.
     """
@@ -121,7 +122,7 @@ def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
 
 
 def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) -> Scene:
-    """The scene with the new values of the sliders that were moved."""
+    """The scene in which the sliders that were moved have their new values."""
     for handle in known:
         if handle.name in moved and moved[handle.name] != handle.value:
             scene = handle.at(scene, moved[handle.name])
@@ -129,7 +130,7 @@ def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) 
 
 
 def _between(key: str, value: float, low: float, high: float, log: bool = False) -> Handle:
-    """A slider from `low` to `high` for the number of a scene that `key` names.
+    """A slider with range `low` to `high`; `key` names the number of the scene that it changes.
 
     For keys, see `contact.sweeps.sweep.keys`.
     """
@@ -140,7 +141,7 @@ def _between(key: str, value: float, low: float, high: float, log: bool = False)
 
 
 def _times(key: str, value: float, decades_down: int = 1) -> Handle:
-    """A logarithmic slider for the positive number of the scene that this key names."""
+    """A logarithmic slider around the present value; `key` names the number that it changes."""
     high, low = SLIDERS.reach * value, SLIDERS.reach**-decades_down * value
     return _between(key, value, low, high, log=True)
 
@@ -180,7 +181,7 @@ def _numbers(scene: Scene, place: str) -> list[Handle]:
 
 
 def _allowed(scene: Scene, handle: Handle) -> Handle:
-    """The slider with its range limited to the largest value that gives a valid scene."""
+    """The slider with its upper limit lowered to the largest value of a valid scene."""
 
     def valid(value: float) -> bool:
         try:
@@ -199,7 +200,7 @@ def _allowed(scene: Scene, handle: Handle) -> Handle:
 
 
 def _stands(profile: Profile) -> list[Handle]:
-    """Sliders for the position of a body relative to another one.
+    """Sliders for the position of each body relative to the other one.
 
     The ranges reach half the body's length to each side of the present position.
     """
@@ -235,7 +236,7 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
     lengths = [name for name in given if name not in high and (name in lists or name == "period")]
     long = _together(profile, given, lengths, lengths=2.0) if lists else ()
     if scene.profile.period is not None and len(scene.profile.bodies) > 1:
-        # Two bodies share one period, so that the length of one body alone cannot change.
+        # Two bodies share one period. Therefore no slider changes the length of one body alone.
         given.pop("period", None)
     elif long:
         reach = profile.period or float(np.ptp(given[next(name for name in long if name in lists)]))
@@ -251,7 +252,7 @@ def _shape(scene: Scene, place: str) -> list[Handle]:
 
 
 def _scale(place: str, name: str, size: float, parameters: tuple[str, ...]) -> Handle:
-    """A slider that multiplies several parameters of a body by the same factor."""
+    """A slider that multiplies several parameters of one body by the same factor."""
 
     def at(now: Scene, to: float) -> Scene:
         given = now.profile.bodies[place].parameters()
@@ -272,7 +273,8 @@ def _together(
     lengths: float = 1.0,
     places: int = 33,
 ) -> tuple[str, ...]:
-    """Fewest parameters whose doubling multiplies heights by `heights`, lengths by `lengths`.
+    """Smallest set of parameters whose doubling multiplies heights and lengths as required.
+    The factors are `heights` for the heights of the profile and `lengths` for its lengths.
 
     The result is empty if there are no such parameters.
 

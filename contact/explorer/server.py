@@ -31,7 +31,8 @@ _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:"
 )
-# Tabs of a browser whose scenes are kept. The oldest is forgotten; its page begins anew.
+# Number of browser tabs whose scenes the server keeps. Beyond this number the oldest scene is
+# dropped, and its page starts again from the first scene.
 _MAX_SESSIONS = 64
 
 
@@ -61,7 +62,7 @@ class Page:
         webbrowser.open(self.address)
 
     def wait(self) -> None:
-        """Return when the page is closed, or raise KeyboardInterrupt."""
+        """Wait until the page is closed; Ctrl-C raises KeyboardInterrupt."""
         while self._thread.is_alive():
             self._thread.join(1.0)
 
@@ -76,7 +77,9 @@ class Page:
 
 
 class _Server(ThreadingHTTPServer):
-    """The server with the scenes of all tabs. One request at a time is solved."""
+    """The web server of the page, with the scenes of all browser tabs.
+    It solves one request at a time.
+    """
 
     given: Given
     tol: float
@@ -92,12 +95,12 @@ class _Server(ThreadingHTTPServer):
         self.hosts = {f"{name}:{self.server_port}" for name in names}
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Print the traceback of a fault; a browser that closes a connection is none."""
+        """Print the traceback of an error, except if the browser merely closed the connection."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)
 
     def reply(self, request: Mapping[str, Any]) -> "Reply":
-        """The reply to a request of a page.
+        """Solve what a page asks for, and return the reply to be sent to the page.
 
         A request for a load curve gives way to other requests, see `Session.curve`.
         """
@@ -121,7 +124,8 @@ class _Server(ThreadingHTTPServer):
 
 @dataclass(frozen=True)
 class Reply:
-    """A JSON object with arrays, as bytes: the length of the JSON text, the text, the arrays.
+    """A reply of the server: a JSON object with arrays.
+    As bytes it is the length of the JSON text, the text, and the arrays.
 
     The JSON text is padded so that arrays begin at a multiple of eight bytes.
     """
@@ -138,7 +142,9 @@ class Reply:
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """Answers requests of this machine's own pages; refuses those of pages from elsewhere."""
+    """Handles requests of pages that this server sent.
+    Requests from other web sites are refused.
+    """
 
     server: _Server
     protocol_version = "HTTP/1.1"
@@ -171,8 +177,8 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(200, bytes(self.server.reply(request)), "application/octet-stream")
 
     def _is_own(self) -> bool:
-        # The name that the browser asked for. A page from elsewhere whose name leads to this
-        # machine has its own name there.
+        # Host is the name under which the browser reached the server. Another web site can make its
+        # own name lead to this machine; then Host is that name, and the request is refused.
         return self.headers.get("Host", "") in self.server.hosts
 
     def _send(self, status: int, body: bytes, kind: str) -> None:

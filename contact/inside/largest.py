@@ -25,7 +25,7 @@ from sie import Array
 
 @dataclass(frozen=True)
 class LargestOptions:
-    """Options of the search for the largest stress."""
+    """Options of the search for the largest stress in the body."""
 
     # Ratio of successive depths of the scan. From one depth to the next, a stress changes by some
     # per cent. After the scan, the search therefore refines the places of the largest stress.
@@ -67,7 +67,8 @@ class Body(Protocol):
 
 @dataclass(frozen=True)
 class Criterion:
-    """A yield criterion: the equivalent stress that is compared with the strength.
+    """A yield criterion, which gives the equivalent stress.
+    The body yields where this stress reaches the strength.
 
     name: "mises", "tresca", or "shear", the largest shear stress in the plane.
     """
@@ -82,18 +83,24 @@ class Criterion:
         return stress.mises(self.nu) if self.name == "mises" else stress.tresca(self.nu)
 
     def branch(self, stress: Stress) -> int:
-        """The planes of the largest shear at one point: 0 those along z, 1 the others."""
+        """Index of the planes of largest shear: 0 for planes along z, 1 for all others.
+        It is 0 except for Tresca's criterion.
+        """
         return int(self.name == "tresca" and float(self.of(stress)) > float(stress.shear))
 
     def of_branch(self, stress: Stress, branch: int) -> Array:
-        """The equivalent stress of one branch, which is smooth."""
+        """The equivalent stress for shear on one set of planes (`branch`).
+        It is a smooth function of the stress.
+        """
         if self.name == "mises":
             return stress.mises(self.nu)
         mean = 0.5 * np.abs(stress.xx + stress.yy)
         return 0.5 * ((1 - 2 * self.nu) * mean + stress.shear) if branch else stress.shear
 
     def slopes(self, stress: Stress, branch: int) -> Array:
-        """Derivatives (3,) of `of_branch` by xx, yy and xy at one point."""
+        """Derivatives (3,) of the equivalent stress of one branch by the stresses xx, yy and xy.
+        The stress is that at one point.
+        """
         one, both = np.array([0.5, -0.5, 0.0]), np.array([0.5, 0.5, 0.0])
         away, mean = 0.5 * (stress.xx - stress.yy), 0.5 * (stress.xx + stress.yy)
         plane, skew = float(stress.shear), 1 - 2 * self.nu
@@ -109,7 +116,8 @@ class Criterion:
         return np.nan_to_num(self.of(body.stress(x, y, self.lateral, self.nu)), posinf=0.0)
 
     def bound(self, highest: Array, anywhere: float, deep: float) -> Array:
-        """Bound of the equivalent stress at points, from the largest pressures near and overall.
+        """Upper bound of the equivalent stress at points in the body.
+        It follows from the largest pressure near each point and the largest pressure overall.
 
         It holds for surfaces without shear. highest: largest pressure near each point; anywhere:
         largest pressure of all; deep: pressure far below the surface.
@@ -141,7 +149,7 @@ def largest(body: Body, criterion: Criterion) -> Peak:
 
 
 def peaks(body: Body, criterion: Criterion) -> list[Peak]:
-    """The places of large equivalent stress in the body, several of which may be the same."""
+    """Places in the body with the largest equivalent stresses; some may be the same place."""
     samples = _Samples.of(body)
     if samples.highest == 0.0 and body.fields.deep_pressure == 0.0:
         return [Peak(0.0, 0.0, 0.0, 0.0)]
@@ -167,7 +175,7 @@ def peaks(body: Body, criterion: Criterion) -> list[Peak]:
 
 @dataclass(frozen=True)
 class _Samples:
-    """Samples of the pressure on the surface, with ascending places.
+    """Samples of the contact pressure at ascending positions x on the surface.
 
     x: places [m]; pressure: absolute values [Pa]; scale: the length over which the pressure varies
     there [m]; period: [m] or None; span: the widest zone [m], or the period. table: entry k has the
@@ -198,10 +206,11 @@ class _Samples:
             even = a + 2 * half * (np.arange(count) + 0.5) / count
             parts.append(np.concatenate((0.5 * (a + b) - half * np.cos(angle), even)))
             scales.append(np.full(2 * count, min(half, detail)))
-            # With friction, the largest stress may be a tension at the end of a zone.
+            # With friction, the largest stress may be a tension at the end of a zone, so the ends
+            # are also sampled.
             parts.append(np.array([a, b]))
             scales.append(np.full(2, half))
-        # The pressure has a cusp at the tip of a profile that is a power law.
+        # The pressure has a cusp at the tip of a power-law profile, so tips are also sampled.
         tips = np.asarray(scene.profile.algebraic_points, dtype=float)[:, 0]
         parts.append(tips)
         scales.append(np.full(len(tips), min(detail, float(np.diff(zones, axis=1).min()))))
@@ -228,13 +237,16 @@ class _Samples:
         return float(self.pressure.max(initial=0.0))
 
     def depths(self) -> Array:
-        """Depths [m], from `span` down to `first_depth` times the smallest `scale`."""
+        """Depths [m] to scan, from the widest zone down to a part of the shortest length.
+        They run from `span` to `first_depth` times the smallest `scale`.
+        """
         least = OPTIONS.first_depth * float(self.scale.min())
         count = int(np.ceil(np.log(self.span / least) / np.log(OPTIONS.depth_ratio)))
         return self.span / OPTIONS.depth_ratio ** np.arange(count + 1.0)
 
     def at_depth(self, depth: float) -> Array:
-        """The samples for this depth: one in each cell of width depth / `places_per_depth`.
+        """The sample positions from which this depth is scanned.
+        There is one in each cell of width depth / `places_per_depth`.
 
         Samples whose own least depth is larger are left out.
         """
@@ -243,7 +255,7 @@ class _Samples:
         return x[np.diff(cell, prepend=-np.inf) > 0]
 
     def near(self, x: Array, reach: float) -> Array:
-        """The largest pressure within the distance `reach` of each place."""
+        """The largest pressure within the distance `reach` of each position x on the surface."""
         at = self.x
         if self.period is not None:
             if 2 * reach >= self.period:
@@ -263,7 +275,9 @@ class _Samples:
 
 
 def _apart(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array, Array]:
-    """(x, y, size) of the places of largest stress, none of them close to a larger stress."""
+    """(x, y, size) of places with a large stress, without those close to a larger stress.
+    `size` is the length below which places count as close.
+    """
     order = np.argsort(-value)
     order = order[value[order] >= OPTIONS.near_best * value[order[0]]]
     kept: list[int] = []
@@ -310,7 +324,9 @@ def _refined(body: Body, criterion: Criterion, x: Array, y: Array, size: Array) 
 
 
 def _vertex(value: Array, dx: Array, dy: Array) -> tuple[Array, Array]:
-    """Steps, in spacings and at most 1, to the top of a paraboloid fitted to 3 x 3 values."""
+    """(move_x, move_y) to the top of a paraboloid fitted to 3 x 3 values, in grid spacings.
+    Each move is at most 1.
+    """
     columns = np.column_stack((np.ones(9), dx, dy, 0.5 * dx * dx, dx * dy, 0.5 * dy * dy))
     _, gx, gy, xx, xy, yy = np.linalg.pinv(columns) @ value
     determinant = xx * yy - xy * xy

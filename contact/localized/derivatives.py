@@ -21,10 +21,10 @@ from sie import Array, Mask, record
 
 @dataclass(frozen=True)
 class DerivativeOptions:
-    """Options of the derivatives that this module computes."""
+    """Options of the derivatives of the two contacts by centre, nominal pressure and load."""
 
-    # Tolerance of the densities. `tolerance` / (2 `shift`) is far below `shift`^2, the relative
-    # error of a central difference.
+    # Tolerance of the pressures from which a central difference is computed. The difference has the
+    # error `tolerance` / (2 `shift`), far below its truncation error `shift`^2.
     tolerance: float = 1e-11
     shift: float = 1e-3  # step of the centre in a central difference, over the gap at the border
 
@@ -34,7 +34,8 @@ OPTIONS = DerivativeOptions()
 
 @record
 class TwoContacts:
-    """The contact of the strip, and the contact of the strip's profile alone (without images).
+    """Two contacts that the localized model compares, one of the strip and one without images.
+    The second is the contact of the strip's profile alone.
 
     unknowns: scaled centre, nominal pressure and load of the strip (3,).
     """
@@ -45,13 +46,13 @@ class TwoContacts:
 
     @property
     def period(self) -> float:
-        """The scaled width of the strip, which is the period."""
+        """The scaled width of the strip (one period of the profile), which is the period."""
         assert self.strip.fields.problem.period is not None
         return self.strip.fields.problem.period
 
     @property
     def cut_off(self) -> Mask:
-        """Whether zones of `alone` reach the strip's left and right border (2,)."""
+        """Whether zones of the profile alone end at the (left, right) border of the strip."""
         zones = self.alone.free.density.zones
         return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.cut)
 
@@ -59,6 +60,7 @@ class TwoContacts:
 @record
 class ContactRates(sie.Kept):
     """Derivatives of both contacts by the strip's centre, the nominal pressure and the load.
+    One contact is that of the strip, the other that of the strip's profile alone.
 
     Derivatives of ends are outward motions (2, Z); those of the approach are numbers.
     """
@@ -81,32 +83,36 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def by_centre(self) -> Array:
-        """Motions of the ends of the strip's zones for a unit motion of the strip's centre."""
+        """Derivatives of the strip's zone ends (outward motions) by the position of its centre."""
         return moves_by(self._shifted.density, self._density)
 
     @cached_property
     def by_pressure(self) -> Array:
-        """Motions of the ends of the strip's zones for a unit of nominal pressure."""
+        """Derivatives of the strip's zone ends (outward motions) by the nominal pressure."""
         return moves_by(self._pressed.density, self._density)
 
     @cached_property
     def by_load(self) -> Array:
-        """Motions of the ends of the strip's zones for a unit of the load of the strip."""
+        """Derivatives of the strip's zone ends (outward motions) by the load of the strip."""
         return moved_ends(self.at.strip.fields.state, 0, tolerance=OPTIONS.tolerance)
 
     @cached_property
     def approach(self) -> Array:
-        """Derivatives of the approach by centre, nominal pressure and load (3,)."""
+        """Derivatives (3,) of the approach by the strip's centre, the nominal pressure and the
+        load.
+        """
         state = self.at.strip.fields.state
         by_load = float(state.level_rates(state.values()).mean())
         return -np.array([self._shifted.levels.mean(), self._pressed.levels.mean(), by_load])
 
     def of_strip(self, step: Array) -> Array:
-        """Motions of the strip's zone ends for a step of (centre, nominal pressure, load)."""
+        """Outward motions of the strip's zone ends for a step of three unknowns.
+        These are (centre of the strip, nominal pressure, load).
+        """
         return step[0] * self.by_centre + step[1] * self.by_pressure + step[2] * self.by_load
 
     def of_ends(self, off: Array) -> Array:
-        """Bounds of the errors of the ends (Z, 2), relative to the width of each end's zone.
+        """Bounds of the errors of the zone ends (Z, 2), relative to the width of the zone.
 
         off: the errors of centre, nominal pressure and load (3,).
         """
@@ -116,14 +122,14 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def alone(self) -> Array:
-        """Rates of the zone ends of the contact `at.alone`, by the nominal pressure."""
+        """Derivatives of the zone ends of the contact without images, by the nominal pressure."""
         return self.at.period * moved_ends(
             self.at.alone.fields.state, 0, tolerance=OPTIONS.tolerance
         )
 
     @cached_property
     def alone_by_centre(self) -> Array:
-        """Rates of the zone ends of the contact `at.alone`, by the centre of the strip.
+        """Derivatives of the zone ends of the contact without images, by the centre of the strip.
 
         An end at a border of the strip moves with this border, and the other ends react.
         """
@@ -144,7 +150,8 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def matrix(self) -> Array:
-        """Jacobian (2, 2) of the two conditions by the centre and the nominal pressure.
+        """Jacobian (2, 2) of the two conditions by the strip's centre and the nominal pressure.
+        The conditions are: equal widths of the two contacts, and a strip centred on its zones.
 
         The first condition is W = W0: the zones of `at.strip` and of `at.alone` have the same total
         width. The second: the middle of the strip's zones is the centre.
@@ -159,7 +166,9 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def following(self) -> Array:
-        """Derivatives of (centre, nominal pressure, load) with respect to the load (3,)."""
+        """Derivatives (3,) of the unknowns by the load, if the side conditions stay satisfied.
+        The unknowns are centre of the strip, nominal pressure, and the load itself.
+        """
         return np.append(
             -np.linalg.solve(self.matrix, (float(self.by_load.sum()), middle_motion(self.by_load))),
             1.0,
@@ -167,9 +176,9 @@ class ContactRates(sie.Kept):
 
 
 def _shifted(strip: SolvedZones) -> sie.AnyState:
-    """Derivative of the strip's density by the position of the centre, as a central difference."""
-    # The zones are not treated as symmetric. Even on a symmetric strip, the difference of two
-    # shifted right sides is not symmetric.
+    """Derivative of the strip's pressure by the position of its centre, as a central difference."""
+    # The zones are not treated as symmetric. Even if the strip is symmetric, the difference of two
+    # right sides that are shifted left and right is not.
     problem, zones = (
         strip.fields.problem,
         replace(strip.fields.state.density.zones, symmetric=False),
@@ -203,22 +212,26 @@ class _Difference:
 
 
 def middle_motion(moved: Array) -> float:
-    """Motion of the middle between the two outermost ends, from outward motions (2, Z)."""
+    """Motion of the middle between the two outermost ends of the zones.
+    `moved` (2, Z) has the outward motions of all ends.
+    """
     return 0.5 * float(moved[1, -1] - moved[0, 0])
 
 
 def spread(table: Array, moved: Array) -> Array:
-    """The zones after outward motions (2, Z) of their ends, each at most half a zone or gap."""
+    """Table of the zones after outward motions (2, Z) of their ends.
+    Each motion is limited to half the width of the zone or gap next to the end.
+    """
     outward = np.clip(moved.T, -0.5 * np.diff(table), 0.5 * room_beside(table, None))
     return np.asarray(table + outward * [-1, 1])
 
 
 def width_of(found: SolvedZones) -> float:
-    """Scaled total width of the zones."""
+    """Total width of the contact zones, in scaled units."""
     zones = found.free.density.zones
     return float((zones.b - zones.a).sum())
 
 
 def table_of(found: SolvedZones) -> Array:
-    """Table of the scaled ends of the zones (Z, 2)."""
+    """Table (Z, 2) of the scaled left and right ends of the contact zones."""
     return found.free.density.zones.table

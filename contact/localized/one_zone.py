@@ -33,13 +33,13 @@ Search = Callable[[Problem, Control, Array | None], SolvedZones]
 
 @dataclass(frozen=True)
 class WidthOptions:
-    """Options of Newton's method for the width of the contact with one zone."""
+    """Options of Newton's method for the contact width, if the contact is one zone."""
 
     widest: float = 0.9998  # fraction of the period; for wider zones the right side is not resolved
 
     @property
     def converged_step(self) -> float:
-        """Step, relative to the width, below which Newton's method stops.
+        """Step of the contact width, relative to the width, below which Newton's method stops.
 
         The derivatives then correct the remaining error, to about the square of this step.
         """
@@ -47,7 +47,9 @@ class WidthOptions:
 
     @property
     def at_maximum(self) -> float:
-        """Relative width of the bracket at which the search for a maximum of the load ends."""
+        """Relative width of the bracket at which the search for the largest load ends.
+        The bracket is one of the contact width.
+        """
         return math.sqrt(self.converged_step)
 
 
@@ -74,7 +76,9 @@ class _AtWidth:
 
     @property
     def step(self) -> float:
-        """Newton's step of the width; inf unless the controlled quantity grows with the width."""
+        """Newton's step of the contact width.
+        It is inf unless the controlled quantity grows with the width.
+        """
         return -self.miss / self.slope if self.slope > 0.0 else math.inf
 
 
@@ -97,7 +101,9 @@ class OneZoneClosure:
         self.options = WidthOptions()
 
     def found(self, control: Control, guess: float) -> SolvedZones:
-        """The zones under the control, from a first guess of their width."""
+        """The zones for the given controlled quantity, such as the load.
+        `guess` is a first guess of their width.
+        """
         given = control.half_width is not None
         here = self._at_width(control, guess) if given else self._root(control, guess)
         condition = here.slope * here.width / abs(here.present)
@@ -121,7 +127,8 @@ class OneZoneClosure:
         return self.problem.period
 
     def _at_width(self, control: Control, width: float) -> _AtWidth:
-        """The contacts of the strip and of the profile alone at one width.
+        """Two contacts of the given width: that of the strip, and that of the strip's profile
+        alone.
 
         The load of the profile alone, divided by the period, is the strip's nominal pressure.
         """
@@ -152,7 +159,8 @@ class OneZoneClosure:
         )
 
     def _root(self, control: Control, guess: float) -> _AtWidth:
-        """The contacts at the controlled value, by Newton's method with a bracket of the width.
+        """Both contacts at the width at which the controlled quantity has its given value.
+        Newton's method finds the width within a bracket.
 
         At the lower end of the bracket the controlled quantity is too small. This end lies on the
         branch from zero load.

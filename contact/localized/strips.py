@@ -41,9 +41,9 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
     """The contact zones of a strip whose centre is the middle of these zones."""
     problem, load = scaled.problem, scaled.control.load
     if load is not None and not context.single and not problem.interaction.follows_isolated:
-        # Under a given load the nominal pressure is known, and its term joins the right side. The
-        # right side gets as many modes as it needs near the border of the strip. A term of unknown
-        # amplitude would get only the modes of the zones.
+        # Under a given load the nominal pressure is known, so its term joins the right side of the
+        # equation. The right side gets as many modes as it needs near the border of the strip. A
+        # term of unknown amplitude would get only the modes of the zones.
         problem = problem.with_amplitude(load / problem.repeat_length)
     if start is not None:
         problem = about(problem, start)
@@ -57,7 +57,7 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
 
 
 def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> SolvedZones:
-    """The zones after the strip was moved until its centre is the middle of the zones."""
+    """The zones after the strip was moved until its centre is the middle of its zones."""
     before: tuple[float, float, Array] | None = None
     misses, stalled, failed = [math.inf], math.inf, 0
     for _ in range(SEARCH.max_steps):
@@ -77,12 +77,13 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
         if abs(miss) * follows <= close or stalled < abs(miss) < TOLERANCES.noise * width:
             left = abs(miss) * follows / width
             return replace(found, control_error=found.control_error + left)
-        # If a secant step does not reduce a small `miss` to a quarter, the remaining `miss` is
-        # round-off. Small means below `TOLERANCES.noise` times `width`.
+        # If a secant step does not reduce a small `miss` (distance from the centre to the middle of
+        # the zones) to a quarter, the remaining `miss` is round-off. Small means below
+        # `TOLERANCES.noise` times `width`.
         stalled = 0.25 * abs(miss) if is_secant else math.inf
         misses.append(abs(miss))
-        # The search ends if `miss` has not halved within a few steps. Such a failure shows that the
-        # middle of the zones jumps.
+        # The search ends if `miss` (distance from the centre to the middle of the zones) has not
+        # halved within a few steps. Such a failure shows that the middle of the zones jumps.
         recent = misses[-SEARCH.max_attempts :]
         if len(misses) > len(recent) and min(recent) > 0.5 * min(misses[: -SEARCH.max_attempts]):
             break
@@ -104,7 +105,7 @@ def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> 
 
 
 def no_centre(problem: Problem, control: Control) -> ContactError:
-    """The error that is raised if there is no strip whose centre is the middle of its zones."""
+    """The error to raise if no strip has its centre in the middle of its zones."""
     first = problem.interaction.follows_isolated
     closure, instead = ("first-order", INSTEAD) if first else ("self-consistent", EXACT)
     return OutOfRange(

@@ -38,7 +38,7 @@ class OneZone(LocalizedZone):
 
     @property
     def exact(self) -> Periodic:
-        """The exact periodic solution of the same half-width.
+        """The exact periodic solution that has the same half width of the zone.
 
         Equations (18)-(19), Westergaard (1939); (25), Block & Keer (2008); (28), Kuznetsov (1976).
         """

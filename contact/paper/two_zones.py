@@ -33,14 +33,16 @@ CENTRES = ("pair", "valley")
 
 
 class TwoZones(PairRow):
-    """Base class of three approximate solutions for pairs of asperities in a period.
+    """Base class of three approximate solutions for two asperities in each period.
 
     It adds the isolated and the exact solution at the same load, for comparison.
     """
 
     @property
     def isolated(self) -> IsolatedBiquadratic:
-        """The isolated pair (32)-(33) at the same load; the mean pressure of this pair is (39)."""
+        """The isolated pair of equations (32)-(33) under the same load.
+        Its mean pressure is (39).
+        """
         return IsolatedBiquadratic(self.radius, self.spacing, self.E_star, self.load)
 
     @property
@@ -78,7 +80,7 @@ class LocalizedPair(TwoZones):
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution as one zone in y = s^2; s is the distance from the middle of the strip."""
+        """The pair as one zone in y = s^2, where s is the distance from the middle of the strip."""
 
         def ratio(y: Array, middle: float, half: float) -> Array:
             s = np.sqrt(y)
@@ -92,7 +94,9 @@ class LocalizedPair(TwoZones):
         return pair_at_load(ratio, self.load, self.E_star, 0.25 * self.period**2)
 
     def _nominal(self, width: float) -> float:
-        """Nominal pressure outside the strip of one period, if each zone has the given width."""
+        """Nominal pressure outside the strip of one period, if each zone of the pair has this
+        width.
+        """
         if self.closure == SELF_CONSISTENT:
             return self.mean_pressure
         # The isolated pair has a^2 + b^2 = 2c^2 for its ends a and b. So the width b - a determines
@@ -111,7 +115,7 @@ class LocalizedPair(TwoZones):
         )
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) [Pa] at x in the cell |x| < L/2; 0 outside the zones."""
+        """Pressure p(x) [Pa] for |x| < L/2 (one period); 0 outside the contact zones."""
         r = np.abs(np.asarray(x, dtype=float))
         return super().pressure(r if self.centre == "pair" else 0.5 * self.period - r)
 
@@ -142,12 +146,14 @@ class CubicPair(TwoZones):
 
     @property
     def _middle(self) -> float:
-        """(a^2 + b^2)/2 for the inner end a and the outer end b."""
+        """(a^2 + b^2)/2, where a and b are the inner and the outer end of a zone."""
         return self.beta / self.alpha
 
     @property
     def _half(self) -> float:
-        """(b^2 - a^2)/2 for the inner end a and the outer end b, from the load."""
+        """(b^2 - a^2)/2, as it follows from the load; a and b are the inner and outer end of a
+        zone.
+        """
         return sqrt(4.0 * self.load / (pi * self.E_star * self.alpha))
 
     @property
@@ -162,8 +168,8 @@ class CubicPair(TwoZones):
 
     @property
     def max_pressure(self) -> float:
-        # With y = x^2, the squared pressure is proportional to y (half^2 - (y - middle)^2). Its
-        # maximum is at 3 (y - middle) = -middle + sqrt(middle^2 + 3 half^2).
+        # With y = x^2, the square of the pressure is proportional to y (half^2 - (y - middle)^2).
+        # This function is largest at 3 (y - middle) = -middle + sqrt(middle^2 + 3 half^2).
         middle, half = self._middle, self._half
         rise = half * half / (middle + sqrt(middle * middle + 3.0 * half * half))
         return (
@@ -171,7 +177,7 @@ class CubicPair(TwoZones):
         )
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) [Pa] at x in the cell |x| < L/2; 0 outside the zones."""
+        """Pressure p(x) [Pa] for |x| < L/2 (one period); 0 outside the contact zones."""
         r = np.abs(np.asarray(x, dtype=float))
         a, b = self.ends
         root = np.sqrt(np.maximum((b - r) * (b + r) * (r - a) * (r + a), 0.0))
@@ -180,7 +186,7 @@ class CubicPair(TwoZones):
 
 @dataclass(frozen=True)
 class PrintedCubicPair(CubicPair):
-    """The solution (38) as printed in the paper, whose ends have a^2 + b^2 = 2c^2.
+    """The solution (38) as printed in the paper, where the zone ends satisfy a^2 + b^2 = 2c^2.
 
     These are the ends a and b of the isolated pair. The pressure (36) is not bounded at them.
     """

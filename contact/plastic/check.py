@@ -23,7 +23,8 @@ from sie import Array, record
 
 @record
 class Checked:
-    """A certificate, with the scaled intervals (n, 2) that need another state (file head).
+    """The certificate of a state, and the scaled intervals (n, 2) where the state is wrong.
+    There, elastic contact must become a plateau or the reverse.
 
     above: the pressure is above the limit; opened: the surfaces would part on a plateau. Negative
     pressures and overlaps in gaps are in the certificate.
@@ -36,7 +37,9 @@ class Checked:
 
 @record
 class _Plateaus(PlasticFields):
-    """Fields for `openings`: plateaus in place of gaps, and the overlap in place of the gap."""
+    """Fields in which plateaus replace the gaps, for the check of signs.
+    So the check of open gaps checks the overlap of the surfaces on the plateaus.
+    """
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
         zones = self.density.zones
@@ -55,7 +58,7 @@ class _Plateaus(PlasticFields):
 
 
 def checked(fields: PlasticFields, load: float | None) -> Checked:
-    """Check all signs, the load, and that all elastic intervals have the same approach."""
+    """Check all signs and the load, and that the approach is the same on all elastic intervals."""
     certificate = certify(fields, load)
     below = pressure_signs(fields, fields.limit)
     above = np.array([*below.negative, *_tips(fields)]).reshape(-1, 2)
@@ -86,7 +89,8 @@ def checked(fields: PlasticFields, load: float | None) -> Checked:
 
 
 def _tips(fields: PlasticFields) -> list[tuple[float, float]]:
-    """Intervals of pressure above the limit, around the convex kinks in elastic parts.
+    """Intervals around convex kinks of the profile in which the pressure exceeds the limit.
+    Only kinks in elastic parts of the contact are taken.
 
     At such a kink the pressure is infinite, like the logarithm of the distance.
     """
@@ -98,8 +102,8 @@ def _tips(fields: PlasticFields) -> list[tuple[float, float]]:
         half = float(density.zones.half[i])
         left, right = (x - density.zones.a[i]) / half, (density.zones.b[i] - x) / half
         room = distances[distances < min(left, right)]
-        # `reach` holds the distances from the kink at which the pressure exceeds the limit, in half
-        # widths of the zone.
+        # `reach` lists the distances from the kink at which the pressure exceeds the limit, divided
+        # by the half width of the zone.
         pressure = np.minimum(
             *(density.at(np.full(len(room), i), left + s * room, right - s * room) for s in (-1, 1))
         )

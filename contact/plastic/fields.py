@@ -18,7 +18,7 @@ from sie import Array, Mask, nearest_image, record, wrapped
 
 @record
 class PlasticFields(ZoneFields):
-    """The fields of a contact whose pressure is the limit H on plateaus.
+    """The fields of a contact in which the pressure has its limit H on plateaus (some intervals).
 
     A zone is a contact with the plateaus in it. The unknown is the pressure on its elastic parts
     (`solved_zones`). limit: H, scaled.
@@ -28,13 +28,15 @@ class PlasticFields(ZoneFields):
 
     @cached_property
     def spots(self) -> Spots:
-        """Contacts and plateaus, scaled."""
+        """The scaled intervals of contact, and the plateaus (pressure at its limit)."""
         density = self.density
         return Spots.of(density.zones, density.plateaus, self.problem.period)
 
     @cached_property
     def true_spots(self) -> Spots:
-        """Contacts and plateaus, whose ends at rims are those of the rims' true widths."""
+        """Contacts and plateaus with their true ends.
+        Very narrow elastic rims, which are stored as wider zones, have their true widths here.
+        """
         zones, spots = self.density.zones, self.spots
         if not zones.depth.any():
             return spots
@@ -48,7 +50,9 @@ class PlasticFields(ZoneFields):
         return Spots(contacts, plateaus, spots.full)
 
     def _at_ends(self, values: Array, places: Array) -> Array:
-        """Values (2, Z), given at the ends of elastic intervals, at places; 0 where no end lies."""
+        """Look up values (2, Z), given at the ends of elastic intervals, at some places.
+        The value is 0 at places that are no such end.
+        """
         zones, period = self.density.zones, self.problem.period
         ends = np.concatenate((zones.a, zones.b))
         order = np.argsort(ends)
@@ -69,11 +73,11 @@ class PlasticFields(ZoneFields):
 
     @property
     def plateaus(self) -> Array:  # type: ignore[override]
-        """Intervals [m] (m, 2) at which the pressure is the limit."""
+        """Intervals [m] (m, 2) in which the pressure has reached its limit."""
         return np.asarray(self.problem.units.x(self.true_spots.plateaus))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure [Pa] at x [m].
+        """Contact pressure p(x) [Pa] at x [m], including the plateaus.
 
         A very narrow rim is stored as a wider zone. There the pressure follows from the rim's true
         width.
@@ -93,7 +97,9 @@ class PlasticFields(ZoneFields):
         return value * self.problem.units.pressure
 
     def overlap(self, x: ArrayLike) -> Array:
-        """Overlap of the surfaces [m] at x [m]: the height that yielded; 0 outside the plateaus."""
+        """Height [m] at x [m] that the body lost by yielding; 0 outside the plateaus.
+        Without yielding, the surfaces would overlap by it.
+        """
         scaled = self._scaled(x)
         on = self.on_plateaus(scaled)
         out = np.zeros(scaled.shape)
@@ -144,7 +150,9 @@ class PlasticFields(ZoneFields):
 
     @cached_property
     def moves(self) -> Array:
-        """Outward motions (2, Z) of the ends of elastic intervals per unit of the scaled load."""
+        """Derivatives (2, Z) of the ends of elastic intervals by the load, outward, in scaled
+        units.
+        """
         return moved_ends(self.state)
 
     @cached_property
@@ -158,23 +166,26 @@ class PlasticFields(ZoneFields):
 
     @cached_property
     def plateau_spreading(self) -> Array:
-        """Derivatives of the ends of the plateaus by ln(load), outward positive [m] (m, 2)."""
+        """Derivatives (m, 2) [m] of the ends of the plateaus by ln(load), outward positive."""
         return self._spreading(self.spots.plateaus, -1.0)
 
     def _spreading(self, table: Array, outward: float) -> Array:
-        """Derivatives by ln(load) [m] of the ends of contacts (outward 1) or plateaus (-1)."""
+        """Derivatives [m] by ln(load) of the ends of contacts or plateaus.
+        `outward` is 1 for contacts and -1 for plateaus.
+        """
         moves = self._at_ends(outward * self.moves, table)
         return moves * self.problem.units.length * self.density.total
 
     @cached_property
     def mean_gap(self) -> float:
-        # `super().mean_gap` is the mean of the formal gap, which is minus the overlap on plateaus.
+        # `super().mean_gap` is the mean of the formal gap, which on plateaus is minus the overlap.
+        # So the overlap is added.
         units, problem = self.problem.units, self.problem
         return super().mean_gap + self.mean_overlap * problem.repeat_length**-1 * units.height
 
     @cached_property
     def mean_overlap(self) -> float:
-        """Scaled integral of the overlap over all plateaus."""
+        """Integral of the overlap of the surfaces over all plateaus, in scaled units."""
         total, breaks = 0.0, self.problem.forcing.jumps.broken_at
         for lo, hi in self.density.plateaus.tolist():
             x, weights = panels(

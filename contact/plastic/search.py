@@ -24,7 +24,7 @@ from contact.verify.error import SolvedZones
 
 
 def found(context: SolveContext) -> SolvedZones:
-    """The contact of the context's scene, in which the pressure has reached its limit somewhere."""
+    """The contact of the scene of `context`, in which the pressure reaches its limit somewhere."""
     scene = context.scene
     if scene.given_load is None and scene.held(Quantity.APPROACH) is None:
         return at_width(context, _again)
@@ -57,7 +57,7 @@ def found(context: SolveContext) -> SolvedZones:
 
 
 def _again(context: SolveContext, here: Solution) -> SolvedZones | Failure:
-    """The contact under the load of a solution, from this solution."""
+    """The contact under the same load as a given solution, started from this solution."""
     scaled = scaled_scene(context.scene.under("load", here.load), context.single)
     return _solved(context, scaled, spots_of(scaled.problem, here))
 
@@ -75,10 +75,13 @@ def spots_of(problem: Problem, similar: Solution) -> Spots:
 
 
 def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZones | Failure:
-    """The contact from first spots; the tolerance falls while the error is above `tol`."""
+    """The contact, started from a guess of its contacts and plateaus.
+    The tolerance is lowered as long as the error is above `tol`.
+    """
     problem, control = scaled.problem, scaled.control
     limit = context.scene.law.pressure_range.highest / problem.units.pressure
-    # With a looser tolerance, rims still move when the ends count as found.
+    # With a looser tolerance, the narrow elastic rims next to plateaus would still move when the
+    # ends count as found.
     loop = PlasticLoop(problem, control, limit, min(context.tolerance, SEARCH.intermediate))
     with context.plan.timed("zone ends"):
         outcome = loop.solved(spots)

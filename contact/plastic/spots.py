@@ -20,7 +20,8 @@ from sie import Array, Index, record
 
 @record
 class Spots:
-    """Contacts (k, 2) and plateaus (m, 2), scaled and ascending; plateaus lie within contacts.
+    """The contacts (k, 2) and the plateaus (m, 2) of a state, scaled and in ascending order.
+    Plateaus (intervals at the limit of pressure) lie within contacts.
 
     full: whether all of the period is in contact; then `contacts` has one row of that width.
     """
@@ -31,7 +32,9 @@ class Spots:
 
     @classmethod
     def of(cls, zones: sie.Zones, plateaus: Array, period: float | None) -> Spots:
-        """The spots; zones and plateaus that touch or overlap form one contact."""
+        """Contacts and plateaus from elastic zones and plateaus.
+        Zones and plateaus that touch or overlap form one contact.
+        """
         every = np.concatenate((zones.table, plateaus))
         every = every[np.argsort(every[:, 0])]
         meets = every[1:, 0] <= every[:-1, 1]
@@ -41,7 +44,9 @@ class Spots:
         return _about_plateaus(plateaus, period) if len(plateaus) else cls(contacts, plateaus, True)
 
     def zones(self, problem: Problem, limit: float) -> sie.Zones:
-        """The elastic intervals as zones; limit: the scaled limit of the pressure."""
+        """The elastic parts of the contacts, as zones for the solver.
+        At plateaus they end with the pressure `limit`, in scaled units.
+        """
         lo, hi = problem.corners
         free, value = problem.end, sie.free_with_value(limit)
         rows: list[tuple[float, float]] = []
@@ -67,7 +72,7 @@ class Spots:
         return sie.Zones.of(np.array(rows), left, right)
 
     def _by_contact(self) -> list[list[list[float]]]:
-        """The plateaus of each contact."""
+        """For each contact, the list of its plateaus (intervals at the limit of pressure)."""
         which = np.searchsorted(self.contacts[:, 0], self.plateaus[:, 0], side="right") - 1
         return [self.plateaus[which == k].tolist() for k in range(len(self.contacts))]
 
@@ -75,13 +80,17 @@ class Spots:
     def _around(
         period: float, rows: list[tuple[float, float]], left: list[sie.End], right: list[sie.End]
     ) -> tuple[list[tuple[float, float]], list[sie.End], list[sie.End]]:
-        """`rows` and end kinds, with the last and first interval joined across the border."""
+        """Intervals and their end kinds, with the last and first interval joined into one.
+        The two are parts of one interval across the border of the period.
+        """
         (_, b), (a, _) = rows[0], rows[-1]
         return [*rows[1:-1], (a, b + period)], [*left[1:-1], left[-1]], [*right[1:-1], right[0]]
 
 
 def _about_plateaus(plateaus: Array, period: float) -> Spots:
-    """Full contact with these plateaus; the period begins in the widest elastic interval."""
+    """Full contact with these plateaus (intervals at the limit of pressure).
+    The period begins in the widest elastic interval.
+    """
     between = tables.gaps_between(plateaus, period)
     begin = float(between[np.argmax(np.diff(between, axis=1)[:, 0])].mean())
     table = tables.in_cell(plateaus, begin, period)
@@ -91,7 +100,8 @@ def _about_plateaus(plateaus: Array, period: float) -> Spots:
 def changed(
     spots: Spots, problem: Problem, negative: Array, above: Array, opened: Array, overlaps: Array
 ) -> Spots:
-    """The spots after four kinds of corrections, which are tables of scaled intervals.
+    """The contacts and plateaus after four kinds of corrections.
+    Each kind is a table of scaled intervals.
 
     negative: no contact there; above: new plateaus; opened: elastic instead of plateau; overlaps:
     new contacts.
@@ -116,7 +126,8 @@ def changed(
 
 def _cut(contacts: Array, negative: Array, period: float | None, full: bool) -> Array:
     if full and period is not None:
-        # The elastic interval over the border of the period lies beyond the contact's row.
+        # In full contact, the elastic interval that crosses the border of the period lies beyond
+        # the first and only interval of `contacts`.
         negative = tables.in_cell(negative, contacts[0, 0], period)
         negative = tables.ascending(np.concatenate((negative - period, negative)))
     out = without(contacts, negative)
@@ -128,7 +139,7 @@ def _cut(contacts: Array, negative: Array, period: float | None, full: bool) -> 
 
 
 def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
-    """Spots in which each plateau lies inside a contact, with elastic rims next to the gaps.
+    """The state with each plateau clipped to its contact, leaving elastic rims next to gaps.
 
     rims: whether each rim is at least `RIM` times as wide as its contact.
     """
@@ -184,5 +195,5 @@ RIM = 1e-4
 
 
 def index_of(table: Array, x: Array) -> Index:
-    """Row of the last interval that begins at or before each place; 0 if none does."""
+    """Index of the last interval in `table` that begins at or before each x; 0 if none does."""
     return np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)

@@ -25,12 +25,12 @@ from contact.solution.solution import Solution
 from contact.verify.error import SolvedZones
 from sie import nearest_image
 
-# Solves under a load from a solution under this load.
+# Type of a function that solves again under the load of a solution, started from this solution.
 SolveAgain = Callable[[SolveContext, Solution], SolvedZones | Failure]
 
 
 def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
-    """The contact of the contact fraction or half width that the scene gives.
+    """The contact that has the contact fraction or the half width that the scene gives.
 
     solve_again: see `SolveAgain`. Raises OutOfRange if no load has that width.
     """
@@ -61,7 +61,8 @@ def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
                 raise
             return failure.best
 
-    # The elastic contact of this width bears more than the wanted one, and so does a plateau.
+    # First guess of the load. The elastic contact and a plateau of the wanted width both carry more
+    # than the wanted contact, so the guess is below both loads.
     start = context.warm_start
     first = 1.0 / ((1.0 / start.load if start else 0.0) + 1.0 / bearing)
 
@@ -92,7 +93,7 @@ def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
 
 
 def _evened(width: float, scale: float) -> float:
-    """A function of a width of periodic contact that is nearly linear in the load.
+    """A function of the width of a periodic contact that grows almost linearly with the load.
 
     It is linear for an elastic wave (`contact.Sinusoid`). scale: 0 for isolated contact, which
     keeps the width.
@@ -101,7 +102,7 @@ def _evened(width: float, scale: float) -> float:
 
 
 def _evened_slope(width: float, scale: float) -> float:
-    """Derivative of `_evened` by the width."""
+    """Derivative of the function `_evened` of a contact width by this width."""
     return scale * abs(float(np.sin(2 * scale * width))) if scale else 1.0
 
 
@@ -124,7 +125,7 @@ def half_width(solution: Solution) -> tuple[float, float]:
 
 
 def _with_error_of_load(found: SolvedZones, error: float) -> SolvedZones:
-    """The contact, with the errors of its ends that follow from a relative error of its load."""
+    """The contact with additional errors of its ends, due to a relative error of its load."""
     fields = found.fields
     assert isinstance(fields, PlasticFields)
     moved = np.abs(fields.moves).T * abs(fields.density.total) * error

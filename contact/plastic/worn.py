@@ -23,7 +23,7 @@ from sie import Array, Mask, wrapped
 
 @dataclass(frozen=True)
 class Worn(Profile):
-    """The profile that yielding under a load leaves; `Solution.worn` makes it.
+    """The profile that remains after yielding under a load and unloading; see `Solution.worn`.
 
     Parameters
     ----------
@@ -71,7 +71,9 @@ class Worn(Profile):
         return self._outside(self.profile.jumps)
 
     def _outside(self, rows: Array) -> Array:
-        """The rows whose place lies on no plateau: on plateaus the old shape is gone."""
+        """The rows of a table whose place x lies on no plateau.
+        On plateaus the old shape has yielded.
+        """
         return np.asarray(rows[~self._on_plateaus(rows[:, 0])])
 
     @cached_property
@@ -98,7 +100,7 @@ class Worn(Profile):
 
 
 def worn(solution: Solution) -> Profile:
-    """The profile after unloading; the profile itself if nothing has yielded."""
+    """The profile that remains after unloading; unchanged if nothing has yielded."""
     fields, profile = solution.fields, solution.scene.profile
     if not isinstance(fields, PlasticFields):
         return profile

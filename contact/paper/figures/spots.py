@@ -27,8 +27,8 @@ class SpotsOfThePaper:
 
 _SCENES = SpotsOfThePaper()
 _COLOURS = ("#2f7fb5", "#d98e04", "#b3261e")
-# Names of the models. `_RINGS` has the number of rings of neighbouring spots that a model takes at
-# their true positions. `_LINES` has the line styles.
+# Names of the models in the figures. `_RINGS` gives, for each model, the number of rings of
+# neighbouring spots that are taken at their true positions. `_LINES` gives the line styles.
 _FIRST = "(1)-(4)"
 _ALL = "all neighbours"
 _HERTZ = "Hertz"
