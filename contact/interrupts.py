@@ -46,7 +46,7 @@ def install() -> None:
 
 
 def started(now: bool = True) -> None:
-    """Set `_started` to `now`: whether the command line catches later KeyboardInterrupts."""
+    """Set `_started` to `now`. It says whether the command line catches KeyboardInterrupts."""
     global _started
     _started = now
 

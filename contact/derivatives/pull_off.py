@@ -65,7 +65,7 @@ class PullOffRates(sie.Kept):
         self.relative = solution.error
 
     def _fold(self, moved: Array) -> Fold:
-        """The `Fold` on the zones of pull-off after outward motions `moved` (2, n) of their ends."""
+        """The `Fold` on the zones of pull-off, with ends moved outward by `moved` (2, n)."""
         problem = self.problem
         zones = sie.Zones.of(self._table, problem.end, problem.end).moved(moved)
         load = Load(self.load / problem.units.load)

@@ -301,7 +301,7 @@ class Sensitivity(sie.Kept):
         return np.array(some).reshape(len(value), count)
 
     def _by_array(self, number: str, table: str, key: str) -> Derivative:
-        """Derivatives of a number by the entries of an array of parameters, from one adjoint solve."""
+        """Derivatives of a number by all entries of an array parameter, from one adjoint solve."""
         found = self._weights(number, ())
         unsure = self._sums(found.found[0], table, key)[1]
         by = self._by_weights(found, lambda one: self._sums(one, table, key)[0], number)
@@ -487,7 +487,7 @@ class Sensitivity(sie.Kept):
 
     @cached_property
     def _intensity(self) -> Change:
-        """Derivatives of all numbers by the edge intensity K, times K, at fixed load and modulus."""
+        """Derivatives of all numbers by the edge intensity K, times K, at fixed load and E*."""
         solution = self.solution
         own = self._value_change(OF_PRESSURE)
         own = replace(own, pressure=lambda x: solution.pressure(x))

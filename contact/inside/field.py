@@ -21,7 +21,7 @@ from sie import Array, nearest_image
 
 @dataclass(frozen=True)
 class FieldErrorOptions:
-    """Factors of the bound of the stresses' errors."""
+    """Factors in the bound of the errors of the stresses."""
 
     # The kernels of s_xx and s_yy do not change sign, and their integrals are 1 in absolute value.
     # The factor 2 also bounds the effect of errors of a zone's two ends, where the pressure grows
@@ -69,7 +69,8 @@ def needs_half_plane(operator: Operator) -> None:
 def stress_of(
     fields: Fields, x: Array, y: Array, error: float, lateral: str, nu: float | None
 ) -> Stress:
-    """Stresses at points (x, y) [m] of one shape; in full sliding also those due to the shear.
+    """Stresses in the body at points (x, y) [m]; in full sliding also those due to the shear.
+    The arrays x and y have the same shape.
 
     error: relative error of the pressure at equal normalised positions, and of ends.
     """
@@ -80,12 +81,12 @@ def stress_of(
     return replace(found, error=bound * (1 + OPTIONS.of_shear * abs(ratio)))
 
 
-# At ends, on the surface, transforms are infinite or nan.
+# On the surface, at the ends of zones, the transforms are infinite or nan.
 @np.errstate(divide="ignore", invalid="ignore")
 def exact_stress(
     fields: Fields, x: Array, y: Array, lateral: str, nu: float | None
 ) -> tuple[Stress, Transform]:
-    """(stresses without a bound of their error, transform of the pressure) at points (x, y) [m]."""
+    """(stresses without their error bound, transform of the pressure) at points (x, y) [m]."""
     needs_half_plane(fields.problem.operator)
     along = tension_along(lateral, fields.deep_pressure, nu)
     normal = fields.pressure_transform(x, y)
@@ -112,7 +113,7 @@ def error_at(fields: Fields, x: Array, y: Array, normal: Transform, error: float
 
 
 def unit_pressure(fields: Fields) -> float:
-    """Unit of relative errors of the pressure [Pa]: the peak, or the mean if it is infinite."""
+    """Unit of relative errors of the pressure [Pa]: the peak; if this is infinite, the mean."""
     if np.isfinite(fields.max_pressure):
         return max(fields.max_pressure, abs(fields.deep_pressure))
     table = fields.zone_table
@@ -126,7 +127,7 @@ def _singular(fields: Fields) -> bool:
 
 
 def _near_ends(fields: Fields, x: Array, y: Array, error: float) -> Array:
-    """Width of a zone divided by the distance of a point from an end of this zone: the largest.
+    """Largest ratio, over all zone ends, of the zone's width to a point's distance from the end.
 
     Two ends on each side of the point are compared. The error of the end is added to the distance.
     """

@@ -27,7 +27,7 @@ from sie import Array, Complex
 
 LATERAL = ("as loaded", "free", "confined")
 
-# The transform of a traction and its derivative at points of the body [Pa, Pa/m].
+# The Cauchy transform [Pa] of a surface traction, and its derivative [Pa/m], at points of the body.
 Transform = tuple[Complex, Complex]
 
 
@@ -112,12 +112,14 @@ def stress_from(
 
 
 def _times_depth(y: Array, slope: Complex) -> Complex:
-    """y F', which is 0 on the surface, where F' may be infinite."""
+    """Depth y times the derivative F' of a transform.
+    It is 0 on the surface, where F' may be infinite.
+    """
     return np.asarray(np.where(y == 0, 0.0, y * np.where(y == 0, 0.0, slope)))
 
 
 def tension_along(lateral: str, deep: float, nu: float | None) -> float:
-    """Uniform stress s_xx [Pa] that is added to the field of the kernel.
+    """Uniform stress s_xx [Pa] that is added to the stresses caused by the surface tractions.
 
     Below a surface that is loaded everywhere by the mean pressure `deep` [Pa], that field is a
     uniform pressure. Then "free" makes the mean of s_xx zero, "confined" the mean of the strain

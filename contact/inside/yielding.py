@@ -36,7 +36,7 @@ OPTIONS = YieldOptions()
 
 @dataclass(frozen=True)
 class Yield:
-    """First yield: the load at which the equivalent stress reaches the strength, and the place.
+    """First yield: the load at which the equivalent stress reaches the strength, and the point.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Yield:
 def first_yield(
     body: Body, at: Callable[[float], Body], strength: float, criterion: Criterion
 ) -> Yield:
-    """First yield, found by changes of the scene's control.
+    """Find the load of first yield by changing the value of the scene's control.
 
     at: the solution under another value of the control.
     """
@@ -95,13 +95,14 @@ def first_yield(
     return search.run()
 
 
-# ln(control), ln(largest stress / strength), the contact and its `Peak`.
+# A trial of the search: ln(control), ln(largest stress / strength), the contact, and its `Peak`
+# (the largest stress and its position).
 Point = tuple[float, float, Body, Peak]
 
 
 @dataclass
 class _Search:
-    """A bracket of first yield in the logarithm of the control."""
+    """Search for first yield: a bracket of ln(control) that is made smaller."""
 
     at: Callable[[float], Body]
     strength: float
@@ -155,7 +156,7 @@ class _Search:
         return self._within()
 
     def _within(self) -> Yield:
-        """First yield by regula falsi with the Illinois weights, within the bracket."""
+        """Load of first yield within the bracket, by regula falsi with the Illinois weights."""
         assert self.below is not None and self.above is not None
         low, high = self.below, self.above
         weights = [1.0, 1.0]
@@ -197,7 +198,9 @@ class _Search:
 
 
 def _rate(one: Point, other: Point) -> float:
-    """Difference quotient of ln(stress) over ln(load) of two contacts; 0 if undefined."""
+    """Difference of ln(largest stress) over difference of ln(load) of two contacts.
+    It is 0 if it is undefined.
+    """
     if not (np.isfinite(one[1]) and np.isfinite(other[1])) or one[2].load == other[2].load:
         return 0.0
     return float((other[1] - one[1]) / np.log(other[2].load / one[2].load))
@@ -209,7 +212,7 @@ _NOTE = (
 
 
 def infinite_at(body: Body) -> float | None:
-    """A place of the surface at which the stress is infinite [m]; None if there is none.
+    """Position x [m] on the surface at which the stress is infinite; None if there is none.
 
     It is a sharp corner or tip in contact, or an end of a zone with a prescribed intensity.
     """

@@ -32,15 +32,16 @@ from contact.search.topology.pressure_form import PressureForm
 from contact.verify.error import SolvedZones
 from sie import Array
 
-# Number of samples of the height on a zone, among which local minima are counted. If a minimum is
-# missed, the search only takes longer.
+# Number of samples of the profile height on a zone, among which local minima are counted. If a
+# minimum is missed, the search only takes longer.
 LOOKS = 2**10
 
 
 def first_order(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones | None = None
 ) -> SolvedZones:
-    """The strip's zones, for a nominal pressure equal to the isolated load divided by the period.
+    """Zones of the strip under a nominal pressure that is the isolated load over the period.
+    Under the isolated load, the contact without periodic images has the same total width.
 
     The isolated load is that of the profile alone with the same total width.
 
@@ -76,7 +77,8 @@ def first_order(
             return outcome
         if isinstance(outcome.refusal, OutOfRange):
             raise outcome.refusal
-        # One zone may fail because more zones come into contact. So several zones are searched for.
+        # The search for a single zone may fail because more zones come into contact. So several
+        # zones are searched for.
         context.record_failure("one zone by its width", outcome)
         return several.found(pressure, zones)
     with context.plan.timed("isolated reference"):
@@ -95,7 +97,7 @@ def _is_asperity(problem: Problem, zones: Array) -> bool:
 
 
 def _about_load(scaled: ScaledScene) -> float:
-    """The scaled load; if none is given, that of the exact periodic contact on a grid."""
+    """The scaled load; if none is given, the load of the exact periodic contact on a grid."""
     problem, control = scaled.problem, scaled.control
     if control.load is not None:
         return control.load
@@ -106,7 +108,7 @@ def _about_load(scaled: ScaledScene) -> float:
 def _reference(
     context: SolveContext, problem: Problem, control: Control, start: Array | None
 ) -> SolvedZones:
-    """The contact without periodic images under `control`; wrong signs are not corrected."""
+    """The contact of the profile without periodic images; wrong signs are not corrected."""
     if control.half_width is not None:
         start = np.array([[-control.half_width, control.half_width]])
     assert start is not None

@@ -72,7 +72,8 @@ class SeveralZones:
         self.period = scaled.problem.period
 
     def found(self, pressure: float, start: Array | None) -> SolvedZones:
-        """The zones at the nominal pressure for which W = W0, by Newton's method with a bracket.
+        """Zones at the nominal pressure for which W = W0, by Newton's method with a bracket.
+        W and W0 are the total zone widths at the head of this module.
 
         `pressure`: a first nominal pressure; `start`: a first guess of the zones.
         """
@@ -126,7 +127,7 @@ class SeveralZones:
         return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
 
     def _solved(self, at: TwoContacts, rates: ContactRates, ends: Array) -> SolvedZones:
-        """The strip's zones, with the errors of their ends and two derivatives by the load.
+        """The zones of the strip, with the errors of their ends and two derivatives by the load.
 
         amplitude_rate: derivative of the nominal pressure by the load. centring: derivative of the
         approach by the load that the motion of the strip's centre causes.
@@ -145,7 +146,7 @@ class SeveralZones:
         )
 
     def _width_error(self, at: TwoContacts) -> float:
-        """Bound of the error of W - W0, the difference of total widths (head of this module)."""
+        """Bound of the error of W - W0, a difference of total zone widths (head of this module)."""
         missed = 0.0
         for found in (at.strip, at.alone):
             ends = found.free.end_error + found.fields.state.end_truncation
@@ -215,7 +216,9 @@ def _from_grid(problem: Problem, load: float) -> Array:
 
 
 def _moved(last: TwoContacts, problem: Problem) -> Array:
-    """The previous zones of the profile alone; ends at the strip's borders move with the strip."""
+    """Zones of the profile without images, from the previous step of the search.
+    Ends at the borders of the strip are moved to its new borders.
+    """
     table = table_of(last.alone).copy()
     table.flat[[0, -1]] = np.where(last.cut_off, np.array(problem.cut), table.flat[[0, -1]])
     return table

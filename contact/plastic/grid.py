@@ -19,7 +19,8 @@ from sie import Array
 
 
 def proposed_spots(scaled: ScaledScene, limit: float, points: int | None) -> tuple[Spots, int]:
-    """(first spots, number of grid points), from a contact on a grid; limit: largest p [Pa].
+    """(first guess of contacts and plateaus, number of grid points), from a contact on a grid.
+    The pressure is at most `limit` [Pa]. It has this value on the plateaus.
 
     Raises OutOfRange if the contact reaches the border of the part of the profile that is known.
     """
@@ -68,7 +69,8 @@ def _wider(scaled: ScaledScene) -> ScaledScene:
 
 
 def _plateaus(state: GridState, x: Array) -> Array:
-    """Plateaus (m, 2) [m] of a grid solution; they end where (H - p)^2 extrapolates to zero.
+    """Plateaus (m, 2) [m] of a grid solution: intervals on which the pressure p is the limit H.
+    Their ends are where (H - p)^2 extrapolates to zero.
 
     H is the limit of the pressure p. Near a plateau (H - p)^2 is linear in x, as p^2 is near the
     end of a contact.
@@ -83,7 +85,7 @@ def _plateaus(state: GridState, x: Array) -> Array:
             one, two = below[(at + side) % n], below[(at + 2 * side) % n]
             inner = min(one / (two - one), 1.0) if two > one else 0.5
             ends.append(float(x[0]) + h * (at + side * (1.0 - float(inner))))
-        # A plateau is at least half a cell wide, and contains the middle of its run.
+        # A plateau is at least half a cell wide, and contains the middle of its run of grid cells.
         middle = float(x[0]) + 0.5 * h * (first + last)
         rows.append((min(ends[0], middle - 0.25 * h), max(ends[1], middle + 0.25 * h)))
     return np.array(rows).reshape(-1, 2)

@@ -49,7 +49,7 @@ NARROW_RIM = (
 
 @record
 class PlasticLoop:
-    """Search for the contact of a scaled problem whose pressure has the given `limit`."""
+    """Search for the contact of a scaled problem whose pressure is at most `limit`."""
 
     problem: Problem
     control: Control
@@ -57,7 +57,7 @@ class PlasticLoop:
     tolerance: float
 
     def solved(self, spots: Spots) -> SolvedZones | Failure:
-        """The contact found from the first guess `spots`, or a Failure."""
+        """The contact found from a first guess `spots` of contacts and plateaus, or a Failure."""
         free: sie.Free | None = None
         tried: list[tuple[Array, Array]] = []
         start = sie.WarmStart()
@@ -112,7 +112,7 @@ class PlasticLoop:
             ) from fault
 
     def _without_lost(self, free: sie.Free, spots: Spots) -> Spots | Failure:
-        """The spots without vanished intervals.
+        """The contacts and plateaus (`spots`) without the intervals that have vanished.
 
         The two contacts beside a closed gap become one, and so do two plateaus.
         """
@@ -142,7 +142,7 @@ class PlasticLoop:
         return tidied(Spots(contacts, plateaus, full), problem, rims=False)
 
     def _corrected(self, spots: Spots, found: Checked) -> Spots | None:
-        """The spots after all corrections; None if no sign is wrong."""
+        """Contacts and plateaus after corrections of all wrong signs; None if no sign is wrong."""
         certificate = found.certificate
         parts = certificate.negative, found.above, found.opened, certificate.overlaps
         if not any(len(part) for part in parts):
@@ -159,13 +159,15 @@ class PlasticLoop:
 
 
 def _joined_across(contacts: Array, period: float) -> Array:
-    """The contacts, the last one joined with the first one of the next period."""
+    """The contacts, with the last one joined to the first one of the next period."""
     across = [[contacts[-1, 0], contacts[0, 1] + period]]
     return np.concatenate((contacts[1:-1], across))
 
 
 def _shrunk(table: Array, part: float, contacts: Array, corners: tuple[float, float]) -> Array:
-    """The intervals, shrunk about their middles; ends at sharp corners stay."""
+    """The intervals of `table`, shrunk about their middles by the factor `part`.
+    Ends at sharp corners are not moved.
+    """
     if len(table) == 0:
         return table
     middle, half = table.mean(axis=1), 0.5 * part * np.diff(table, axis=1)[:, 0]

@@ -19,7 +19,8 @@ from contact.sweeps.solve_many import solve_many
 def load_history(
     scene: Scene, friction: float, history: Sequence[tuple[float, float]], tol: float = 1e-8
 ) -> list[Slip]:
-    """Shear, slip and lost energy after each segment of a history of load and tangential load.
+    """Shear, slip and dissipated energy after each segment of a history of the two loads.
+    The two loads are the normal and the tangential load.
 
     The segments are straight in (P, Q) and begin at (0, 0). No step is taken within them: the
     result of a segment is exact, see `contact.slip.memory`.
@@ -71,7 +72,7 @@ def load_history(
 
 
 def _contacts(scene: Scene, loads: list[float], tol: float) -> dict[float, Solution]:
-    """Solutions by load; if the tolerance is missed, the best solution that was reached."""
+    """Solution at each load; if the tolerance is missed, the best solution that was reached."""
     try:
         return dict(zip(loads, solve_many(scene, loads, "load", tol), strict=True))
     except NotConverged:

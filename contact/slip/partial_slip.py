@@ -100,7 +100,7 @@ def partial_slip(
 
 
 def solved_or_best(scene: Scene, tol: float, near: Solution | None = None) -> Solution:
-    """The solution of a scene, or the best one that was reached if it is certified.
+    """The solution of a scene; if the tolerance is missed, the best one, if it is certified.
 
     Very small loads have zones whose ends cannot be found to many digits of their widths. Relative
     to the whole contact these errors may be small: `slip_of` checks them.
@@ -136,7 +136,7 @@ class State:
 
 
 def slip_of(contacts: Mapping[float, Solution], state: State, tol: float) -> Slip:
-    """The slip of a state; NotConverged if a contact under a smaller load is not precise enough.
+    """The `Slip` of a state; NotConverged if a contact at a smaller load is too inaccurate.
 
     contacts: the solutions under all loads of the segment. tol: largest error of the shear that the
     contact under a smaller load may cause.
@@ -185,7 +185,10 @@ def slip_of(contacts: Mapping[float, Solution], state: State, tol: float) -> Sli
 def _shift(
     solution: Solution, found: list[Solution], weights: np.ndarray, lowest_h: float
 ) -> float | None:
-    """Tangential displacement int h C dP' [m], C the compliance; None without an approach."""
+    """Tangential displacement int h C dP' [m], with the compliance C at the load P'.
+    h is the factor of the pressure that the load from P' to P' + dP' adds. The result is None if
+    the scene defines no approach.
+    """
     if solution.approach is None:
         return None
     total = sum(weight * approach_of(one) for weight, one in zip(weights, found, strict=True))

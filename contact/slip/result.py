@@ -37,7 +37,7 @@ _OF_APPROACHES = 20.0
 
 @dataclass(frozen=True, eq=False)
 class Term(sie.Kept):
-    """A pressure and its factor in the sum of pressures that is the shear.
+    """One term of the shear, which is a sum of pressures times factors.
 
     Parameters
     ----------
@@ -150,7 +150,9 @@ class Slip(sie.Kept):
 
     @property
     def slides(self) -> bool:
-        """Whether nothing sticks: the tangential load is then `friction` times the load in size."""
+        """Whether all of the contact slides: no zone sticks.
+        The tangential load is `friction` times the load in size.
+        """
         return len(self.stick_zones) == 0
 
     @cached_property
@@ -165,7 +167,7 @@ class Slip(sie.Kept):
             return None
         points = {load: LoadPoint.of(found) for load, found in self.contacts.items()}
         points[0.0] = LoadPoint.unloaded(self.solution)
-        # Round-off may make the sum negative.
+        # Round-off may make the sum of the energies negative.
         return max(0.0, float(sum(lost(step, self.friction, points) for step in self.steps)))
 
     @cached_property
@@ -181,7 +183,7 @@ class Slip(sie.Kept):
         load = max((one.load for one in self.contacts.values()), default=0.0)
         return _OF_APPROACHES * self.friction**2 * load * wrong
 
-    # At ends, on the surface, transforms are infinite or nan.
+    # On the surface, at the ends of zones, the transforms are infinite or nan.
     @np.errstate(divide="ignore", invalid="ignore")
     def stress(
         self, x: ArrayLike, y: ArrayLike, lateral: str = "as loaded", nu: float | None = None
@@ -287,7 +289,8 @@ def stated_error(
 
     ends: error of the ends of zones that stick, divided by the width of their zone of contact.
     """
-    # A load that is not given has an error as well. The factor 2 allows for this error.
+    # If the load is not given, it is computed with an error as well. The factor 2 allows for this
+    # error.
     factor = 1.0 if solution.scene.given_load is not None else 2.0
     return factor * max(shear_error(solution, terms, friction), ends, solution.error)
 
@@ -300,6 +303,6 @@ def _approach_error(solution: Solution) -> float:
 
 
 def shear_error(solution: Solution, terms: tuple[Term, ...], friction: float) -> float:
-    """Error of the sum of `terms`, divided by friction times the solution's `unit_pressure`."""
+    """Error of the shear (the sum of `terms`), over friction times the `unit_pressure`."""
     size = friction * unit_pressure(solution.fields)
     return float(sum(abs(t.weight) * t.error * unit_pressure(t.fields) for t in terms) / size)

@@ -56,7 +56,9 @@ OPTIONS = RollingOptions()
 
 @record
 class StickFields(ZoneFields):
-    """The fields of q'/mu, a pressure on the zones that stick (see the module's docstring)."""
+    """The fields of q'/mu, a pressure on the zones that stick (see the module's docstring).
+    There q' is the friction times the pressure, minus the shear.
+    """
 
     stiffness = approach = None
 
@@ -180,7 +182,7 @@ class Rolling:
 
     @property
     def problem(self) -> Problem:
-        """The scaled problem of the contact."""
+        """The frictionless contact problem in scaled variables."""
         return self.solution.fields.problem
 
     @property
@@ -190,7 +192,9 @@ class Rolling:
 
     @property
     def _creepage_unit(self) -> float:
-        """Creepage divided by the scaled theta, for a positive shear (head of this module)."""
+        """Creepage over theta, the scaled constant in the equation of stick (head of this module).
+        The shear is positive.
+        """
         return self.friction * self.problem.units.slope * (-1.0 if self.to_right else 1.0)
 
     def under_load(self, shear: float) -> Slip:
@@ -220,7 +224,9 @@ class Rolling:
         return self._slip(found, sign, sign * self.friction * (self.solution.load - rest))
 
     def _stick(self, condition: Callable[[float], sie.Condition]) -> sie.Solution:
-        """The solution for q'/mu on the zones that stick; |q| = mu p - q' is the shear.
+        """The density q'/mu on the zones that stick, from the integral equation.
+        The shear |q| = mu p - q' is smaller than mu p by q', with the pressure p and the friction
+        mu.
 
         condition: the total of q'/mu, or theta, at a fraction of the way from full stick.
         """
@@ -240,12 +246,15 @@ class Rolling:
         raise NotConverged("not converged: the zones that stick were not found", (), self.solution)
 
     def _equation(self, condition: sie.Condition) -> sie.Equation:
-        """The scaled equation of q'/mu, with theta as the amplitude of a column."""
+        """Scaled integral equation of q'/mu on the stick zones, with the unknown amplitude theta.
+        q' is the friction mu times the pressure, minus the shear. theta is proportional to the
+        creepage.
+        """
         column = sie.Forcing(np.ones_like, _place, resolution=sie.Resolution(modes=1))
         return sie.Equation(self.problem.kernel, self.problem.forcing, (condition,), (column,))
 
     def _near(self, equation: sie.Equation, widths: Array) -> tuple[sie.Free, Array] | None:
-        """(zones that stick, found from the guess `widths`; their widths); None if not converged.
+        """(stick zones found from the guess `widths`, widths of these zones); None if not converged.
 
         Zones in which nothing sticks vanish in the search and get the width 0; those in which the
         slip would then have the wrong sign are added again.
@@ -277,7 +286,9 @@ class Rolling:
         return None
 
     def _stuck(self, widths: Array) -> sie.Zones:
-        """Scaled stick zones of these widths at the contact's leading ends; none for a width 0."""
+        """Scaled stick zones of these widths at the leading ends of the contact zones.
+        A width 0 gives no stick zone.
+        """
         active = widths > 0.0
         contact, widths = self.zones[active], widths[active]
         if self.to_right:
@@ -314,7 +325,7 @@ class Rolling:
         return found
 
     def _slips_wrongly(self, density: sie.AnyDensity | None, theta: float, widths: Array) -> Mask:
-        """Mask of the contact zones with points at which friction would not oppose the slip.
+        """Mask of the contact zones that have a point at which friction does not oppose the slip.
 
         density: the scaled q'/mu on zones that stick, of the given widths; None if nothing sticks.
         """
@@ -334,7 +345,7 @@ class Rolling:
         return np.asarray((rate < -OPTIONS.sign_tolerance * size).any(axis=1))
 
     def _slip(self, found: sie.Solution, sign: float, shear: float) -> Slip:
-        """The `Slip` with the zones of `found`; NotConverged if their error is above `tol`."""
+        """The `Slip` with the stick zones of `found`; NotConverged if their error exceeds `tol`."""
         fields, solution = StickFields(self.problem, found.state), self.solution
         size = found.state.size * self.problem.units.pressure
         peak = unit_pressure(solution.fields)
@@ -382,5 +393,5 @@ class Rolling:
 
 
 def _place(x: Array) -> Array:
-    """The primitive of the constant 1: x."""
+    """The function x, which is the primitive of the constant 1."""
     return np.asarray(x)

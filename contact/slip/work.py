@@ -30,7 +30,9 @@ class LoadPoint:
 
     @classmethod
     def of(cls, solution: Solution) -> "LoadPoint":
-        """The values of a solution; if it has no datum, the approach is that for the datum 1 m."""
+        """The `LoadPoint` of a solution.
+        If the solution has no datum, its approach is computed with the datum 1 m.
+        """
         load, approach = solution.load, approach_of(solution)
         return cls(load, approach, 0.5 * (load * approach + shape_moment(solution.fields)))
 
@@ -47,16 +49,18 @@ def approach_of(solution: Solution) -> float:
         return fields.approach
     units = fields.problem.units
     level = float(np.mean(fields.levels)) * units.height
-    # Without a datum, levels contain ln(x / `units.length`). The last term makes it ln(x / 1 m).
+    # Without a datum, the constant potentials `levels` of the zones contain ln(x / `units.length`).
+    # The last term turns this logarithm into ln(x / 1 m).
     return -level - 2.0 / (math.pi * units.E_star) * fields.load * math.log(units.length)
 
 
 def first_approach(solution: Solution) -> float:
-    """Approach [m] at which the bodies of a solution touch first: 0 unless the body is turned."""
+    """Approach [m] at which the bodies touch first on loading: 0 unless the body is tilted."""
     fields = solution.fields
     if not solution.scene.turned or not isinstance(fields, ZoneFields):
         return 0.0
-    # The place of first touch is in contact under any load, so only the zones are searched.
+    # The point of first touch is in contact under any load. So it is searched for in the zones
+    # only.
     zones = fields.zones
     t = np.linspace(0.0, 1.0, 65)
     x = np.unique((zones[:, :1] + np.diff(zones) * t).ravel())
@@ -64,7 +68,9 @@ def first_approach(solution: Solution) -> float:
 
 
 def lost(step: SlipStep, friction: float, points: dict[float, LoadPoint]) -> float:
-    """Energy [J/m] that slip loses in `step`; `points` has a contact for each load in it."""
+    """Energy [J/m] that slip dissipates in `step`.
+    `points` maps each load that occurs in `step` to its contact.
+    """
     high, low = (points[load] for load in step.stick)
     first, last = (points[load] for load in step.load)
     rest = (first.load - high.load) * high.approach - (last.load - low.load) * low.approach

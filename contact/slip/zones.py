@@ -39,7 +39,7 @@ def contact_zones(solution: Solution) -> Array:
 
 
 def parted(solution: Solution, stick: Array, error: float = 0.0) -> StickAndSlip:
-    """The contact of a solution, parted into the given zones that stick and the rest.
+    """The contact of a solution, split into the given stick zones and the rest, which slips.
 
     error: stated error of ends, divided by the width of their zone.
     """
@@ -55,7 +55,7 @@ def parted(solution: Solution, stick: Array, error: float = 0.0) -> StickAndSlip
     stick = tables.ascending(stick + (moved - middle)[:, None])
     zone = np.maximum(np.searchsorted(zones[:, 0], np.sort(moved), side="right") - 1, 0)
     around = zones[zone]
-    # Ends that coincide in theory may differ in the last digits.
+    # Ends of stick and contact zones that coincide in theory may differ in the last digits.
     margin = error * np.diff(around) + 8 * np.spacing(np.abs(around).max())
     over = np.column_stack((around[:, 0] - stick[:, 0], stick[:, 1] - around[:, 1]))
     is_nested = bool(np.all(over <= margin))

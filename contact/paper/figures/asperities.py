@@ -99,7 +99,7 @@ class _Pressures:
         return f"{self.what} {model} {self.given}={value}"
 
     def apart(self, value: float, model: str, form: Array, where: Any = ...) -> float:
-        """Largest relative difference of a model's pressure from that of a closed form.
+        """Largest relative difference of a model's pressure from the pressure of a closed form.
 
         `form` has the closed form's pressures at the abscissas `self.x`.
         """

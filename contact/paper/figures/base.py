@@ -91,7 +91,7 @@ def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
 
 
 def on_cell(solutions: Iterable[Solution | None], half: float) -> Array:
-    """Positions in [-half, half] that are dense enough to draw all solutions."""
+    """Positions in [-half, half] that are dense enough to draw the curves of all solutions."""
     each = [positions(solution, -half, half) for solution in solutions if solution is not None]
     return np.unique(np.round(np.concatenate(each), 14))
 

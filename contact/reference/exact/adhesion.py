@@ -87,6 +87,8 @@ class AdhesiveZone(SymmetricZone):
 
     def _approach_rate(self, load: float, at_load: float) -> float:
         """Derivative of the approach by the parameter: `punch_compliance` * `load` + `at_load`.
+        Here `load` is the derivative of the load, and `at_load` that of the approach at a fixed
+        load.
 
         load: derivative of the load. at_load: derivative of the approach at constant load. The
         result is nan without a datum.
@@ -94,7 +96,7 @@ class AdhesiveZone(SymmetricZone):
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives of load and approach by the parameter of the curve of equilibria.
+        """(derivative of the load, derivative of the approach) by the parameter of the equilibria.
 
         The derivative of the approach is nan without a datum.
         """
@@ -102,17 +104,17 @@ class AdhesiveZone(SymmetricZone):
 
     @property
     def elastic_energy(self) -> float:
-        """Elastic energy (1/2) int p u dx [J/m] with displacement u, per period if there is one."""
+        """Elastic energy (1/2) int p u dx [J/m], with displacement u; per period, if periodic."""
         return frictionless_energy(self.zone)
 
     @property
     def surface_energy(self) -> float:
-        """Energy of the interface [J/m], per period if any; 0 if the surfaces are far apart."""
+        """Surface energy [J/m], per period if periodic; 0 if the surfaces are far apart."""
         raise NotImplementedError
 
     @property
     def energy(self) -> float:
-        """Elastic plus surface energy [J/m]; d energy = load d approach along the equilibria."""
+        """Elastic plus surface energy [J/m]. Along the equilibria, d(energy) = load d(approach)."""
         return self.elastic_energy + self.surface_energy
 
     @property
@@ -147,7 +149,7 @@ class Equilibria(Generic[State]):
             keep(self, positive_or_none if name == "datum" else positive, name)
 
     def _frictionless(self, half_width: float) -> HertzLine | Westergaard:
-        """The frictionless zone of this half width."""
+        """The contact zone of this half width without friction and adhesion."""
         raise NotImplementedError
 
     def at(self, parameter: float) -> State:
@@ -166,7 +168,7 @@ class Equilibria(Generic[State]):
         raise NotImplementedError
 
     def _rates(self, parameter: float) -> tuple[float, float]:
-        """Derivatives of load and approach by the parameter of the curve.
+        """(derivative of the load, derivative of the approach) by the parameter of the curve.
 
         The derivative of the approach is nan without a datum.
         """
@@ -213,7 +215,7 @@ class Equilibria(Generic[State]):
         return parts, [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
 
     def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
-        """First and last parameter of a named branch; raises OutOfRange if it does not exist."""
+        """First and last parameter of a named branch; OutOfRange if the branch does not exist."""
         parts, grows = self._parts(machine_compliance)
         first = grows.index(True) if True in grows else len(parts)
         numbers = {"narrow": first - 1, "stable": first, "wide": first + 1, "last": len(parts) - 1}
@@ -223,11 +225,11 @@ class Equilibria(Generic[State]):
         return parts[number]
 
     def at_load(self, load: float, branch: str = "stable") -> State:
-        """The equilibrium at a load (per period) on a branch; OutOfRange if it does not exist."""
+        """The equilibrium at a given load (per period) on a branch; OutOfRange if there is none."""
         return self._carrying(load, self._solve("load", finite("load", load), branch, inf))
 
     def at_approach(self, approach: float, branch: str = "stable") -> State:
-        """The equilibrium at an approach on a branch; OutOfRange if it does not exist."""
+        """The equilibrium at a given approach on a branch; OutOfRange if there is none."""
         return self.at(self._solve("approach", finite("approach", approach), branch, 0.0))
 
     def _solve(self, control: str, value: float, branch: str, machine_compliance: float) -> float:
@@ -247,7 +249,7 @@ class Equilibria(Generic[State]):
         return root(residual, lo, hi)
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
-        """Parameters, and loads, at both ends of each branch that is stable at prescribed load.
+        """For each branch that is stable at prescribed load: (parameters, loads) at both its ends.
 
         Each row is (first parameter, last parameter, load at the first, load at the last).
         """
@@ -258,7 +260,8 @@ class Equilibria(Generic[State]):
         ]
 
     def advancing(self, load: float) -> State | None:
-        """The equilibrium that loading from first touch reaches at `load`; None in full contact.
+        """The equilibrium that loading from first touch reaches at `load`.
+        It is None if this is full contact.
 
         Raises OutOfRange past pull-off.
         """
@@ -268,7 +271,7 @@ class Equilibria(Generic[State]):
         return self._lowered(parts[: reached[0] + 1], load) if reached else None
 
     def receding(self, load: float) -> State | None:
-        """The equilibrium that unloading reaches at `load`; None in full contact.
+        """The equilibrium that unloading reaches at `load`; None if this is full contact.
 
         Raises OutOfRange past pull-off.
         """
@@ -282,7 +285,9 @@ class Equilibria(Generic[State]):
     stays_closed = False
 
     def _lowered(self, parts: list[tuple[float, float, float, float]], load: float) -> State:
-        """The equilibrium at `load` on the last branch of `parts` that has a state at this load."""
+        """The equilibrium at `load` on the last branch of `parts` that has a state at this load.
+        A branch of `parts` is given by its end parameters and the loads at them.
+        """
         for lo, hi, least, most in reversed(parts):
             if least <= load <= most:
                 return self._carrying(load, root(lambda s: self.at(s).load - load, lo, hi))
@@ -292,7 +297,7 @@ class Equilibria(Generic[State]):
         )
 
     def all_at_load(self, load: float) -> list[State]:
-        """All equilibria at a load, stable or not, in the order of the parameter."""
+        """All equilibria at a given load, stable or not, by ascending parameter of the curve."""
         load = finite("load", load)
         return [
             self._carrying(load, s)

@@ -70,12 +70,12 @@ class ExactContact:
 
     @property
     def zone_widths(self) -> Array:
-        """Width of every zone [m], (n,)."""
+        """Width of every zone [m], as an array (n,)."""
         return np.diff(self.zones, axis=1)[:, 0]
 
     @property
     def zone_loads(self) -> Array:
-        """Load of every zone [N/m], (n,); equal loads unless a subclass overrides this."""
+        """Load of every zone [N/m], an array (n,); equal loads unless a subclass overrides this."""
         return np.full(len(self.zones), self.load / len(self.zones))
 
     @property
@@ -117,7 +117,7 @@ class PressedBody(ExactContact):
 
     @property
     def punch_compliance(self) -> float | None:
-        """Compliance d approach/d load at fixed zones [m^2/N].
+        """Derivative of the approach by the load, at fixed zones [m^2/N].
 
         None for an isolated body without a datum.
         """
@@ -137,7 +137,9 @@ class PressedBody(ExactContact):
         return -unit * log_of(sine(half_width, self.period), cosine(half_width, self.period))
 
     def _approach_by_parts(self) -> float:
-        """The integral int P d(-C), with load P and punch compliance C: approach minus P C."""
+        """The approach minus P C, with the load P and the punch compliance C.
+        It is the integral int P d(-C) over growing zones.
+        """
         raise NotImplementedError
 
     def _approach(self) -> float:
@@ -246,7 +248,7 @@ class SymmetricZone(PressedBody):
         return float(self._pressure(np.array(0.0), np.array(self.half_width)))
 
     def _check(self, *positives: str) -> None:
-        """Raise SceneError for values that are not positive, or a zone as wide as its period."""
+        """Raise SceneError if a value is not positive or the zone is as wide as its period."""
         super()._check(*positives)
         if self.period is not None:
             between("half_width", self.half_width, 0.0, 0.5 * self.period)
@@ -284,7 +286,7 @@ class SymmetricZone(PressedBody):
         return np.where(inside, self._pressure(r, self.half_width - r), 0.0)
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap [m], displacement + profile - approach; 0 in the zone."""
+        """Gap g(x) [m] between the surfaces: displacement + profile - approach; 0 in the zone."""
         e = np.abs(self._reduced(x)) - self.half_width
         return np.where(e > 0.0, self._gap(np.maximum(e, 0.0)), 0.0)
 
@@ -298,7 +300,7 @@ class SymmetricZone(PressedBody):
 
     @property
     def _sine_unit(self) -> float:
-        """Unit of length of `_sine`: L/pi with the period L.
+        """Unit of length [m] of the result of `_sine`: L/pi with the period L.
 
         It is 1 for an isolated zone.
         """

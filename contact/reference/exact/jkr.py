@@ -141,7 +141,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
     @property
     def jump_in(self) -> JKRZone:
-        """The equilibrium at zero load to which the surfaces jump at first touch."""
+        """The equilibrium at zero load that the surfaces jump into at first touch."""
         return self.at_load(0.0)
 
 
@@ -281,7 +281,7 @@ class JKRWave(Wave, _JKREquilibria):
     True
     """
 
-    # Full contact has no zone end where a gap could begin. So the surfaces open only at a flaw.
+    # Full contact has no zone end at which a gap could begin. So no load opens it without a flaw.
     stays_closed = True
 
     @property
@@ -294,7 +294,7 @@ class JKRWave(Wave, _JKREquilibria):
 
     @property
     def self_closing_work(self) -> float:
-        """Work above which the surfaces jump into full contact at zero load [J/m^2].
+        """Work of adhesion [J/m^2] above which the surfaces jump into full contact at zero load.
 
         At this work the largest load of partial contact is 0, at sin^2(pi a/L) = 3/4.
         """
@@ -302,7 +302,7 @@ class JKRWave(Wave, _JKREquilibria):
 
     @property
     def last_partial_work(self) -> float:
-        """Work above which partial contact is unstable at every prescribed load [J/m^2].
+        """Work of adhesion [J/m^2] above which partial contact is unstable at every given load.
 
         At this work the two turning points of the load meet, at tan^2(pi a/L) = 3/5.
         """

@@ -145,6 +145,6 @@ class PeriodicParabola(PeriodicZone, _Parabola):
     def load_rate(self, s: Array) -> Array:
         """Derivative dP/ds of the load P by the half width s."""
         unit = self.period * self.E_star / (2.0 * self.radius)
-        # The half width s may be rounded to L/2. There the rate is infinite, but its integrals are
+        # The half width s may be rounded to L/2. There dP/ds is infinite, but its integrals are
         # finite.
         return unit * sine(s, self.period) / np.maximum(cosine(s, self.period), 1e-100)

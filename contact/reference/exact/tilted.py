@@ -125,7 +125,7 @@ class TiltedZone(PressedBody):
         return np.where(e > 0.0, np.where(z > 0.0, self._gap(e, 1), self._gap(e, -1)), 0.0)
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement u(x) [m] into the body, whose far field is ln|x/d| with the datum d."""
+        """Displacement u(x) [m] into the body; far away it is proportional to ln|x/d|, datum d."""
         return super().displacement(x) + self.tilt * np.asarray(x, dtype=float)
 
 
@@ -285,7 +285,7 @@ class TiltedWedge(TiltedZone):
         E_star: float,
         datum: float | None = None,
     ) -> "TiltedWedge":
-        """The solution that carries a given load and moment."""
+        """The wedge contact with a given load and moment."""
         alpha = atan(2.0 * E_star * wedge_slope * moment / positive("load", load) ** 2)
         w = load / (E_star * wedge_slope * cos(alpha))
         return cls(wedge_slope, E_star, w, 2.0 * wedge_slope * alpha / pi, datum)

@@ -135,6 +135,6 @@ class PeriodicWedge(PeriodicZone, _Wedge):
 
     def load_rate(self, s: Array) -> Array:
         """Derivative dP/ds of the load P by the half width s."""
-        # The half width s may be rounded to L/2. There the rate is infinite, but its integrals are
+        # The half width s may be rounded to L/2. There dP/ds is infinite, but its integrals are
         # finite.
         return self.E_star * self.wedge_slope / np.maximum(cosine(s, self.period), 1e-100)

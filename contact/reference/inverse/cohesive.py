@@ -71,7 +71,7 @@ class _Strip:
     h: Array
 
     def far(self, t: Array) -> Array:
-        """Cauchy integral of 1/X over the strip; X^2 is the product of t - e over all ends e.
+        """Cauchy integral of 1/X over the strip; X^2 is the product of t - e over all zone ends e.
 
         The points t of evaluation lie away from the strip.
         """
@@ -165,7 +165,7 @@ class CohesiveDesign:
 
     @property
     def reach(self) -> float:
-        """Work divided by stress [m]: the largest gap with tension."""
+        """Work of adhesion divided by the tension `stress` [m]: the largest gap with tension."""
         return self.work / self.stress
 
     # The scaled coordinate is t = (x - middle)/half; it maps the hull of the zones to [-1, 1].
@@ -227,7 +227,8 @@ class CohesiveDesign:
         return np.sqrt(np.prod(factors, axis=0)) * sign
 
     def _smooth_in_own_gap(self, strip: _Strip, t: Array) -> Array:
-        """X times the Cauchy integral of 1/X over a strip; X is the signed root given by `_root`.
+        """X times the smooth part of the Cauchy integral of 1/X over a strip of tension.
+        X is the signed root given by `_root`.
 
         The points t lie in the strip's own gap. The closed part
         2 direction artanh(zeta or 1/zeta) is left out: see the head of this module.
@@ -238,11 +239,13 @@ class CohesiveDesign:
 
     @cached_property
     def _count(self) -> int:
-        """Number of conditions on the polynomial M, apart from a given `rise` and a given load."""
+        """Number of conditions on the polynomial M (head of this module).
+        A given `rise` and a given load are not counted.
+        """
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
-        """Slope of the gap at points t: the part from the polynomial M, and that from the tension.
+        """(part from the polynomial M, part from the tension) of the slope of the gap at points t.
 
         The first part has one column for each coefficient of M. The artanh of the strips in this
         gap is left out; `_gap_parts` integrates it.
@@ -257,7 +260,8 @@ class CohesiveDesign:
         return modes, self._tension * by_tension
 
     def _gap_parts(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
-        """(part of the gap at `stop` from the polynomial M, part of the gap from the tension).
+        """(part of the gap at `stop` from the polynomial M, part from the tension of the strips).
+        M is defined at the head of this module.
 
         Both are integrals of the slope from `start`, the end of a zone. The first has one row for
         each of the P points, and one column for each coefficient of M.
@@ -305,7 +309,7 @@ class CohesiveDesign:
 
     @cached_property
     def _smooth(self) -> Array:
-        """Coefficients of the polynomial M as a Chebyshev series on the hull of the zones."""
+        """Coefficients of the polynomial M (module head): a Chebyshev series on the zones' hull."""
         return np.asarray(np.linalg.solve(*self._conditions))
 
     @property
@@ -315,7 +319,7 @@ class CohesiveDesign:
 
     @property
     def _degree(self) -> int:
-        """Degree of the polynomial M."""
+        """Degree of the polynomial M in the slope of the gap (head of this module)."""
         if self.given_load is None:
             return self._count
         return self._count + 1 + (len(self.zones) + self._count) % 2
@@ -329,7 +333,7 @@ class CohesiveDesign:
         return self._series_of(self._smooth, self._tension)
 
     def _series_of(self, smooth: Array, tension: float) -> Array:
-        """Coefficients of X R, the slope of the gap, in powers of t from the highest down to t^-1.
+        """Coefficients of the slope of the gap, in powers of t from the highest down to t^-1.
 
         `smooth` are the coefficients of M, and `tension` is the factor of the strips' integrals.
         """
@@ -350,7 +354,7 @@ class CohesiveDesign:
 
     @property
     def load(self) -> float:
-        """Load that the zones carry, minus the integral of the tension over the strips [N/m]."""
+        """Load [N/m]: the force that the zones carry, minus the integral of the strips' tension."""
         return float(self._series[-1] / self._load_unit)
 
     def pressure(self, x: ArrayLike) -> Array:
