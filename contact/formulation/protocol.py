@@ -80,7 +80,7 @@ class Fields(Protocol):
         """Minus the scaled approach, computed at each zone. The values differ only by errors."""
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
-        """Exact ends of zones minus the rounded ends in a table [m]; None if unknown.
+        """Exact ends of zones minus the ends in `table`, which are rounded [m]; None if unknown.
 
         The rows are those of `zone_table` in this order, moved by whole periods.
         """

@@ -78,7 +78,7 @@ class Stretch:
 
 
 def stretches(*intervals: tuple[float, float]) -> list[Stretch]:
-    """Intervals (lo, hi) [m] with one common unit."""
+    """The intervals (lo, hi) [m] as `Stretch` objects that have one common unit."""
     found = []
     for lo, hi in intervals:
         middle, half = 0.5 * (lo + hi), 0.5 * (hi - lo)
@@ -147,7 +147,7 @@ def outlined(width: float) -> list[Any]:
 
 
 def ramp(count: int) -> list[str]:
-    """Colours from light to dark, in order: blue to black, so that they stay apart in grey."""
+    """Colours from light (yellowish) to dark (blue), so that they also differ in a grey print."""
     shades = np.linspace(0.85, 0.15, count) if count > 1 else np.array([0.5])
     # A colour-blind reader and a printer see the same order: the lightness falls evenly.
     colours = require("matplotlib").colormaps["cividis"](shades)

@@ -130,7 +130,7 @@ def columns_of(report: StressReport, show: str) -> list[Column]:
 
 
 def _image(place: float, lo: float, hi: float, solution: Solution) -> float:
-    """The copy of `place` in the period that is nearest to the middle of the interval (lo, hi)."""
+    """The place, moved by whole periods, that is nearest to the middle of the interval (lo, hi)."""
     period = solution.scene.period
     if period is None:
         return place
@@ -147,7 +147,9 @@ def _peak(report: StressReport, show: str) -> Any:
 
 
 def top_stress(report: StressReport, show: str, fields: list[Field]) -> float:
-    """The stress of the highest contour [Pa]; fields: of all columns."""
+    """The stress [Pa] at which the highest contour is drawn.
+    `fields` holds the stresses of all columns of panels.
+    """
     peak = _peak(report, show)
     if peak is not None and peak.stress > 0:
         return float(peak.stress)
@@ -156,7 +158,9 @@ def top_stress(report: StressReport, show: str, fields: list[Field]) -> float:
 
 
 def label_of(show: str, top: float) -> str:
-    """Name and unit of what is shown, if its highest contour is `top` [Pa]."""
+    """Label with the name and the unit of the stress that is shown.
+    `top` is the stress of the highest contour [Pa]; the unit suits its size.
+    """
     return f"{_NAMES[show]} [{scaled(top, 'Pa')[1]}]"
 
 

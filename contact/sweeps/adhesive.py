@@ -236,7 +236,9 @@ class AdhesivePath(Path):
         return figure
 
     def _surfaces(self) -> tuple[str, Array, Array, Array, Array]:
-        """Title, positions, deformed surface, profile and zones [m] for the picture of surfaces."""
+        """Title, positions x, deformed surface, profile and zones for a picture of the surfaces.
+        All but the title are in metres.
+        """
         parted = [
             event
             for event in self.events

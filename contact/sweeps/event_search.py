@@ -39,7 +39,7 @@ from sie import Array, Index, Mask, record
 
 @dataclass(frozen=True)
 class EventOptions:
-    """Options of the search for the events between two loads."""
+    """Options of the search for events (births and mergers of zones) between two loads."""
 
     # Tolerance of the ends of zones, relative to the width of their zone, while an event is
     # predicted. While an event is located, the tolerance is smaller by the factor
@@ -187,7 +187,9 @@ class PathPoint(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Index, Array]:
-        """Places in `pieces` where the gap is not round-off, the piece of each, and the gap."""
+        """Sample places in the intervals `pieces`, the number of the interval, and the gap there.
+        Samples at which the gap is round-off are left out.
+        """
         found, rows = [NOWHERE], []
         for a, b in self.pieces:
             n = int(_OPTIONS.samples * max((b - a) / self.fields.spacing, 4.0))
@@ -334,7 +336,7 @@ class Minimum:
 def local_minimum(
     function: Callable[[Array], Array], first: float, last: float, place: float, tips: Array
 ) -> Minimum:
-    """The local minimum of a function inside an interval that is nearest to a place.
+    """The local minimum of a function in an interval; of several, the one nearest to `place`.
 
     Its value is infinite if there is none. tips: places at which the function may have a kink.
     """
@@ -575,7 +577,8 @@ class EventSearch:
                 return events, there
             awaited = Renewal(0.5 * (here.at + there.at))
             if awaited.at - here.at < SEARCH.rough * SEARCH.doubtful_part:
-                # Without this limit, shorter and shorter steps would never pass the jump.
+                # Without this lower limit, the search would make shorter and shorter load steps,
+                # and would never pass a load at which an end of a zone jumps.
                 break
         raise WrongTopology("the contact moves too fast with the load", None)
 

@@ -280,7 +280,8 @@ class PathSearch:
     def _event(
         self, change: Change, low: Solution, high: Solution, beyond: tuple[float, ...] = ()
     ) -> Event | None:
-        """The event of a change of the zones (e.g. a merger): the zero of a condition on the load.
+        """The event at which the zones change, e.g. a merger: the zero of a condition on the load.
+        The condition is the least gap or the least pressure near the place of the event.
 
         None if the condition does not change sign. The condition is evaluated at both loads, and
         beyond them by the relative distances `beyond`: near an event the certificate accepts signs

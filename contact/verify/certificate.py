@@ -450,7 +450,7 @@ def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, 
 def _samples_in(
     fields: ZoneFields, intervals: list[tuple[float, float, bool, bool]]
 ) -> list[Array]:
-    """Positions of the samples in each of the given intervals.
+    """Positions of the samples of the gap in each of the given intervals.
 
     Narrow gaps between zones without convex kinks need only the smallest number of samples, and are
     computed together.

@@ -352,9 +352,11 @@ class SolvedGaps(Solved):
         divided by the distance. It changes the pressure close to the gap, which varies on the
         length of the gap's width, by delta divided by that width.
         """
-        # The zones of this equation are the gaps, and the spaces between them are in contact. `sie`
-        # makes no space a slit (sie.slits) if the total over every zone is given (sie.ZoneTotals),
-        # as it is here. So `state` is the solution on the gaps themselves.
+        # The unknowns of this equation lie on the gaps of the contact. So its zones are these gaps,
+        # and the spaces between its zones are in contact. `sie` can treat a narrow space inside a
+        # wide zone as a slit, with an unknown function in it (sie.slits). It makes no slit if the
+        # total over every zone is given (sie.ZoneTotals), as it is here. So `state` is the solution
+        # on the gaps themselves.
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.gap_slope.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
@@ -446,5 +448,5 @@ class SolvedGaps(Solved):
 
     @property
     def widening(self) -> Array:
-        """Absolute motion of each end of the gaps (n, 2) per unit of mean pressure."""
+        """Absolute value of the derivative of each end of the gaps (n, 2) by the mean pressure."""
         return np.asarray(np.abs(moved_ends(self.fields.state)).T)

@@ -33,7 +33,7 @@ SAMPLING = SamplingOptions()
 
 @record
 class Dips:
-    """Minima of a function, located between its samples.
+    """Minima of a function on zones, located between its samples.
 
     negative: (zone, angle from, angle to) of every minimum below its rounding. least: smallest
     value above rounding. relative: smallest value divided by its zone's scale; inf if there is
@@ -166,8 +166,8 @@ def signs_on(
         )
 
     counts = _rounded_up(counts)
-    # For each minimum: index of its interval, the two angles around it, the scale, and the rounding
-    # of the values.
+    # For each minimum: the index of its interval, the two angles around it, the scale of the
+    # function in the interval, and the rounding of its values.
     followed: list[tuple[Index, Array, Array, Array, Array]] = []
     for n in np.unique(counts):
         group = np.flatnonzero(counts == n)

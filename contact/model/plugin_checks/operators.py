@@ -28,8 +28,8 @@ from contact.model.symbols import OPTIONS as SYMBOLS
 from contact.model.symbols import WAVES, checked
 from sie import Array
 
-# Distances x - xi at which values are compared, in units of the period (without a period, of the
-# parameter `scale`). All are below one half.
+# Distances x - xi at which values of the kernel are compared, in units of the period. Without a
+# period, the unit is the parameter `scale`. All distances are below one half of the unit.
 _LAGS = np.random.default_rng(0).uniform(0.0, 0.5, 5)
 
 

@@ -146,8 +146,10 @@ class _Waves:
         return Sum.of(self.amplitudes)
 
     def __call__(self, x: Array) -> Array:
-        """The sum at x. With few harmonics (N), their numbers k are split as k = r + s q. A matrix
-        product sums over r; then about sqrt(N) terms are summed over q.
+        """The sum at x; it is computed on a grid if it has many terms.
+        A sum of few terms (N) is split: the numbers of its harmonics are k = r + s q, with r from 1
+        to s and s about sqrt(N). A matrix product sums over r, and about sqrt(N) terms remain to be
+        summed over q.
 
         Each power is an exponential of its own, so no round-off accumulates as in a recurrence.
         """

@@ -14,7 +14,7 @@ from contact.model.profiles.base import Array, Profile, read_from
 
 @dataclass(frozen=True)
 class Tilted(Profile):
-    """A tilted profile f(x) - tilt x. If the profile is periodic, one cell alone is used."""
+    """A tilted profile f(x) - tilt x. Of a periodic profile, only a single cell is used."""
 
     profile: Profile
     tilt: float
@@ -49,7 +49,8 @@ class Tilted(Profile):
         return self._within(np.asarray(self.profile.breakpoints)[:, None])[:, 0]
 
     def _within(self, rows: Array) -> Array:
-        """The rows whose place (first column) lies inside the cell; all rows without a period.
+        """The rows whose place (first column) lies inside the periodic cell.
+        If the profile has no period, these are all rows.
 
         A periodic profile is cut at the border of its cell, since it is tilted.
         """

@@ -51,7 +51,9 @@ _COMMA_DECIMALS = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
 
 @dataclass(frozen=True)
 class Layout:
-    """The delimiter (None: white space), the decimal mark, and whether numbers are in quotes."""
+    """Layout of a text table: its delimiter, its decimal mark, and whether numbers are quoted.
+    The delimiter None stands for white space.
+    """
 
     delimiter: str | None
     decimal: str
