@@ -112,7 +112,7 @@ class Conjugate(sie.Kept):
 
     @property
     def limit(self) -> str:
-        """Main cause of the error of the transform H f', in words."""
+        """Main cause of the error of the transform H f', as text for messages."""
         return self._transform.limit
 
     @cached_property

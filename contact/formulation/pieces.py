@@ -98,7 +98,7 @@ class Pieces(sie.Kept):
 
 
 def _before(parts: Array) -> Array:
-    """For each element, the sum of all elements before it."""
+    """For each element of `parts`, the sum of all elements before it."""
     return np.asarray(np.cumsum(parts) - parts)
 
 

@@ -39,7 +39,7 @@ class Fields(Protocol):
     # The next members are functions of the place x [m], an array of any shape.
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure [Pa]; 0 where the surfaces neither touch nor attract each other."""
+        """Pressure [Pa]; 0 at places where the surfaces neither touch nor attract each other."""
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         """Pressure [Pa] in a zone at positions t from -1 to 1, accurate up to the zone's ends."""
@@ -100,7 +100,7 @@ class Fields(Protocol):
 
     @property
     def load(self) -> float:
-        """Load [N/m], per period if there is one."""
+        """Load [N/m]; in a periodic contact, the load on one period."""
 
     @property
     def approach(self) -> float | None:
@@ -132,7 +132,7 @@ class Fields(Protocol):
 
     @property
     def gap_rounding(self) -> float:
-        """Scaled error of the gap due to round-off."""
+        """Size of the error of the scaled gap that is due to round-off."""
 
     @property
     def borne_beside(self) -> float:

@@ -112,7 +112,7 @@ class Relief(Conjugate):
 
     @property
     def limit(self) -> str:
-        """Main cause of the error of the relief, in words."""
+        """Main cause of the error of the relief R, as text for messages."""
         return self._plain.limit or "noise of the heights is large in the transform for this body"
 
 
@@ -161,7 +161,8 @@ class ScaledRelief(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Array]:
-        """Evenly spaced places over a period, and the relief R there; computed once for all loads.
+        """Evenly spaced places over a period, and the relief R at these places.
+        Both are computed once for all loads.
 
         Their spacing is smaller than the length on which the profile varies.
         """

@@ -93,7 +93,7 @@ class Registry:
         return self._classes[name]
 
     def all(self) -> dict[str, Any]:
-        """Every name with its class, in alphabetical order."""
+        """All registered names, each with its class, in alphabetical order."""
         self._load_plugins()
         return dict(sorted(self._classes.items()))
 
@@ -104,8 +104,8 @@ class Registry:
         for point in entry_points(self.group):
             try:
                 cls = point.load()
-                # Loading a module runs the decorators of its classes. A class without a decorator
-                # gets the name of the entry point.
+                # Loading a module runs the decorators that register its classes. A class without
+                # such a decorator is registered under the name of the entry point.
                 if not any(cls is known for known in self._classes.values()):
                     self._enter(point.name, cls)
             except Exception as error:  # a third-party module may raise anything

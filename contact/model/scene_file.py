@@ -88,7 +88,7 @@ def load_scene(path: str | PathLike[str]) -> Scene:
 
 
 def load_tables(path: str | PathLike[str]) -> Table:
-    """The tables of a scene file; SceneError if it cannot be read or is not TOML."""
+    """The tables of a scene file; SceneError if the file cannot be read or is not TOML."""
     if not isinstance(path, (str, PathLike)):
         raise SceneError.of("path", path, "the name of a scene file")
     path = Path(path)

@@ -149,7 +149,8 @@ def outlined(width: float) -> list[Any]:
 def ramp(count: int) -> list[str]:
     """Colours from light (yellowish) to dark (blue), so that they also differ in a grey print."""
     shades = np.linspace(0.85, 0.15, count) if count > 1 else np.array([0.5])
-    # A colour-blind reader and a printer see the same order: the lightness falls evenly.
+    # The lightness of the colours falls evenly. So a colour-blind reader and a grey print show the
+    # same order.
     colours = require("matplotlib").colormaps["cividis"](shades)
     return [require("matplotlib.colors").to_hex(colour) for colour in colours]
 
@@ -163,7 +164,7 @@ def new_figure(width: float, height: float) -> Any:
 
 
 def _show_in_notebooks(figure: type) -> None:
-    """Tell IPython, where it runs, to show figures as pictures.
+    """Make IPython, if it runs, show figures as pictures.
 
     IPython itself registers figures only once pyplot is imported, which this module leaves out.
     """

@@ -180,7 +180,7 @@ def _pressure_warnings(solution: Solution) -> tuple[str, ...]:
 
 
 def _places_on_zones(solution: Solution, per_zone: int = 8) -> Array:
-    """Places on all zones; every zone has the same number of places."""
+    """Sample places on all zones, with the same number of places on each zone."""
     return np.asarray(np.asarray(solution.zones).dot(_weights_of_ends(per_zone)).ravel())
 
 

@@ -154,7 +154,7 @@ def draw_surfaces(
     axes.fill_between(x, floor, surface, color=SURFACE, alpha=0.10, linewidth=0)
     axes.plot(x, outline, color=BODY, linewidth=1.2, label="profile")
     axes.plot(x, surface, color=SURFACE, linewidth=1.4, label="deformed surface")
-    # NaN values between the zones let one line object draw all zones.
+    # Between the zones the values are NaN. One line object can then draw all zones.
     touching = np.where(on_zones(heights.x, zones), surface, np.nan)
     weight = 2.6 if len(zones) <= FIGURE.max_zones else 1.8
     axes.plot(x, touching, color=PRESSURE, linewidth=weight, label="contact")

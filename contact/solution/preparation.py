@@ -59,7 +59,8 @@ def shares(solution: Solution, samples: int = 4096) -> list[Borne]:
         return []
     peak, found = int(np.argmax(pressure)), []
     for place, intervals in bodies.items():
-        # Each body has its own period and its own coordinates.
+        # Each body has its own period and its own coordinate x. The places are converted to the
+        # coordinate of this body, within one of its periods.
         own = np.asarray(profile.bodies[place].wrap(profile.facing(at)[place]))
         for kind in dict.fromkeys(interval.kind for interval in intervals):
             of_kind = [interval for interval in intervals if interval.kind is kind]

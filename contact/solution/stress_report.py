@@ -139,6 +139,6 @@ def write_netcdf(report: StressReport, path: str | PathLike[str], overwrite: boo
 
 
 def write_json(report: StressReport, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the numbers as one line of JSON."""
+    """Write the dictionary of `to_dict` as one line of JSON to a file."""
     text = json.dumps(report.to_dict(), allow_nan=False)
     new_file(path, overwrite).write_text(text + "\n", encoding="utf-8")

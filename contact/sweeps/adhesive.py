@@ -441,7 +441,7 @@ class _PathRun:
         return self.by.started(self.scene.under(self.control, value), scaled)
 
     def solved(self, here: PathState, value: float, before: float) -> Solution:
-        """The solution for the state `here` at a value of the control.
+        """The solution for the state `here` of the path, at a value of the control.
 
         before: the previous value.
         """

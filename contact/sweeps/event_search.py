@@ -47,8 +47,8 @@ class EventOptions:
     # The error of a condition is of second order in the error of the ends, but the error of its
     # derivative is of first order.
     ends: float = 1e-7
-    # Predictions are linear. An event that is predicted beyond the last load, by up to half of the
-    # distance to that load, may still come before it.
+    # Predictions of events are linear in ln(load). An event that is predicted beyond the last load,
+    # by up to half of the distance to that load, may still come before the last load.
     reach: float = 1.5
     # Largest difference of ln(load) over which events are predicted. Over a larger one, the gap may
     # get new minima.
@@ -449,7 +449,7 @@ class EventSearch:
         self.start = self._point(fields, self._log(low.load)) if start is None else start
 
     def _log(self, load: float) -> float:
-        """ln(scaled load) of a load [N/m]."""
+        """The logarithm of the scaled load, for a load in N/m."""
         return float(np.log(load / self.problem.units.load))
 
     def events(self) -> list[Event] | None:

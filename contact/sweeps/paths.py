@@ -291,7 +291,8 @@ class PathSearch:
         condition = _Condition(side.fields, change)
         load = condition.problem.units.load
         try:
-            # `condition` keeps the zones of its evaluations; each new evaluation starts from them.
+            # `condition` stores the zones of every evaluation, and starts each new one from stored
+            # zones.
             known = {side.fields.load / load: condition.of(side.fields)}
             tried: list[tuple[float, ...]] = [
                 (low.load * (1 - part), high.load * (1 + part)) for part in (0.0, *beyond)

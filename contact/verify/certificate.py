@@ -506,7 +506,7 @@ def _samples_between(
         s = np.append(0.0, 1 - (1 - s) ** 2)
     x = np.clip(lo + (hi - lo) * s, lo, hi)
     tips = fields.tips
-    # A kink that is the end of a zone is in contact, so it is not added to the samples.
+    # A kink that is the end of a zone is in contact, so it is not a sample of the open gap.
     first, last = np.searchsorted(tips, lo, side="right"), np.searchsorted(tips, hi, side="left")
     return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
 

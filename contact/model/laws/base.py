@@ -204,7 +204,8 @@ class Law(Named, sie.Kept):
     def completed(
         cls, parameters: Mapping[str, Any], moduli: Mapping[str, float]
     ) -> Mapping[str, Any]:
-        """The parameters in a scene file, plus those that follow from the moduli (here none).
+        """The parameters of the law in a scene file, with parameters that follow from the moduli.
+        This base class adds none.
 
         moduli: E1, nu1 and perhaps E2, nu2 of the scene file, or E_star alone.
         """

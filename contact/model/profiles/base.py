@@ -126,7 +126,7 @@ class Profile(Named, sie.Kept):
 
     @property
     def symmetric(self) -> bool:
-        """Whether f(-x) = f(x)."""
+        """Whether the profile is symmetric: f(-x) = f(x)."""
         return False
 
     @property

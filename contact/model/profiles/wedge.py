@@ -66,7 +66,7 @@ class Wedge(Profile):
         return np.asarray(self.tangent * np.abs(self.wrap(x)), dtype=np.float64)
 
     def slope(self, x: ArrayLike) -> Array:
-        # Adding 0.0 turns -0.0 into 0.0, so that the slope is the same at both.
+        # Adding 0.0 turns -0.0 into 0.0, so that the slope is the same at x = -0.0 and x = 0.0.
         return np.asarray(
             np.copysign(self.tangent, np.asarray(self.wrap(x), dtype=np.float64) + 0.0)
         )

@@ -30,7 +30,7 @@ FORMATS = tuple(
 )
 # File name endings of instrument formats that may be plain text. Here the ending alone decides.
 _OF_TEXT = ("sdf", "bcr", "bcrf")
-# One manufacturer uses numbers of three digits as file name endings.
+# The file name endings of one manufacturer are numbers of three digits.
 _NUMBERED = re.compile(r"\d{3}")
 ALONG = ("x", "y")
 
@@ -56,7 +56,9 @@ def is_instrument_file(path: Source) -> bool:
 
 
 def _is_binary(content: bytes) -> bool:
-    """Whether the first bytes of a file are those of an archive or of no text."""
+    """Whether a file is a ZIP archive or another binary file, judged by its first bytes.
+    A text that is compressed by gzip does not count as binary.
+    """
     head = content[: 1 << 16]
     if head.startswith(b"\x1f\x8b"):  # text under gzip
         return False
@@ -197,7 +199,8 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
     i, j = np.minimum(u.astype(int), nx - 2), np.minimum(v.astype(int), ny - 2)
     s, t = u - i, v - j
     corners = ((0, 0, (1 - s) * (1 - t)), (1, 0, s * (1 - t)), (0, 1, (1 - s) * t), (1, 1, s * t))
-    # A missing height (NaN) matters only if the weight of its corner is positive.
+    # A missing height (NaN) at a corner of a grid cell matters only if the corner has a positive
+    # weight in the interpolation.
     height = sum(
         np.where(weight > 0, weight * heights[i + a, j + b], 0.0) for a, b, weight in corners
     )

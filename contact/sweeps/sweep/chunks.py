@@ -181,7 +181,7 @@ def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
 
 
 def failure(reason: str) -> Row:
-    """The row of a point without a solution."""
+    """The row of the results for a point at which no solution was found."""
     return {**dict.fromkeys(NUMBERS, nan), "failed": True, "reason": reason, "warning": ""}
 
 

@@ -158,7 +158,7 @@ class Table:
 
 
 def _described(axis: Axis) -> dict[str, str]:
-    """Attributes of the coordinate of an axis."""
+    """Attributes of an axis of the sweep, for its coordinate in an xarray data set."""
     described = {"key": axis.key, "long_name": axis.key}
     return {**described, "units": axis.unit} if axis.unit else described
 
