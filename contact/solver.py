@@ -39,7 +39,7 @@ from contact.verify.error import SolvedGaps
 
 @dataclass(frozen=True)
 class SolverOptions:
-    """Sizes of a scene (see `_features`) above which settings of the process are changed.
+    """Sizes of a scene (as `_features` measures them) above which process settings are changed.
 
     A size is the number of shortest lengths of the profile in its period.
     """
@@ -153,7 +153,8 @@ def solved_along(
     cache: SceneCache,
     previous: tuple[CurvePoint, ...],
 ) -> Solution:
-    """The solution of one of several scenes that differ only in the value of their control.
+    """The solution of one scene of several that differ only in the value of their control.
+    It starts from the solutions of the previous scenes.
 
     cache: results shared with the other scenes. previous: the last solutions on the curve.
     """
@@ -172,12 +173,14 @@ def solved_along(
 
 
 def context_of(scene: Scene, tol: float) -> SolveContext:
-    """The context of a scene whose contact is reached along a branch (see `solved_at`)."""
+    """The `SolveContext` of a scene whose contact is found by following a branch of equilibria.
+    See `solved_at`.
+    """
     return SolveContext.of(scene, tol, _solved)
 
 
 def solved_at(context: SolveContext, found: Outcome, message: str) -> Solution:
-    """The solution of a contact that was reached by following its branch.
+    """The `Solution` of a contact `found` by following its branch of equilibria.
 
     message: how it was reached, noted in the plan. The contact is refined already.
     """
@@ -219,7 +222,8 @@ def _solved(
 def _of_first_law(
     scene: Scene, tol: float, progress: Progress | None, near: Solution | None
 ) -> Solution | None:
-    """The solution under the law that is tried first, see `Routes.first`; None if there is none.
+    """The solution of the scene under the law `Routes.first`, which is tried before its own law.
+    It is None if there is no such law or no such solution.
 
     Pressures grow with the load. So above the load of a contact with plateaus it is not the answer.
     """
@@ -248,7 +252,8 @@ def _run(context: SolveContext) -> Solution:
 
 
 def _found(context: SolveContext) -> Outcome:
-    """The contact of a scene: from the law's module, from a branch of equilibria, or by search.
+    """Find the contact of a scene by one of three ways.
+    They are a module of the law, the branch of equilibria of an adhesive law, and a search.
 
     What a module returns is final, see `contact.model.laws.base.Routes`.
     """

@@ -87,12 +87,12 @@ class Solution:
 
     @property
     def amplitudes(self) -> Array:
-        """Amplitudes of the equation's terms of unknown amplitude, `Equation.columns` (k,)."""
+        """Amplitudes (k,) of the terms `Equation.columns`, whose amplitudes are unknowns."""
         return self.density.amplitudes
 
     @property
     def levels(self) -> Array:
-        """Mean, over each solved zone (n,), of the potential minus the right side's primitive."""
+        """Mean over each zone (n,) of the density's potential minus the right side's primitive."""
         return self.state.levels
 
     def residual(self, x: ArrayLike) -> Array:
@@ -250,7 +250,7 @@ class Solution:
         intensities: ArrayLike | None = None,
         ends: ArrayLike | None = None,
     ) -> Gradient:
-        """Derivatives of one functional of the solution by all data at once, by an adjoint solve.
+        """Derivatives of one functional of the solution by all data, from one adjoint solve.
 
         The functional is the integral of weight(x) times the density, plus sums of intensities K at
         singular ends and of positions of ends, with the given factors. A solution by iteration is
@@ -328,7 +328,8 @@ class Solution:
         return replace(self)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Solution":
-        # `__getstate__` is avoided, since it raises for functions that cannot be pickled.
+        # `__getstate__` is not called here, since it raises an error for functions that cannot be
+        # pickled.
         return replace(
             self, **{one.name: copy.deepcopy(getattr(self, one.name), memo) for one in fields(self)}
         )
@@ -423,7 +424,7 @@ def solve(
 
 
 def _solve(equation: Equation, zones: Zones, tol: float, solutions: Iterator[Solution]) -> Solution:
-    """The first of ever more accurate solutions that meets the tolerance.
+    """The first solution that meets `tol`, of `solutions` that are more and more accurate.
 
     Raises NotConverged if none does.
     """
@@ -486,7 +487,7 @@ def _best(solutions: Iterator[Solution], tol: float) -> Solution:
 
 
 def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
-    """Solutions on zones with fixed ends, first to the wanted tolerance and then to round-off."""
+    """Yield solutions on zones with fixed ends, first to the tolerance, then to round-off."""
     for decay in (max(OPTIONS.parts[0] * tol, EPS), EPS):
         state = solve_zones(equation, zones, decay)
         yield _with_errors(state)
@@ -497,7 +498,7 @@ def _fixed(equation: Equation, zones: Zones, tol: float) -> Iterator[Solution]:
 def _free(
     equation: Equation, zones: Zones, tol: float, options: NewtonOptions, start: WarmStart
 ) -> Iterator[Solution]:
-    """Solutions with free ends, for ever smaller tolerances of the ends."""
+    """Yield solutions with free ends, for smaller and smaller tolerances of the ends."""
     for part in OPTIONS.parts:
         free = find_ends(equation, zones, max(part * tol, EPS), options, start)
         yield _with_errors(free.state, free)
@@ -507,7 +508,7 @@ def _free(
 
 
 def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
-    """The solution with its stated errors.
+    """The `Solution` of a solved state of the equation, with its stated errors.
 
     search: the search for the free ends; None if no end is free.
     """
@@ -537,7 +538,7 @@ def _with_errors(state: AnyState, search: Free | None = None) -> Solution:
 
 
 def _jump_rounding(state: AnyState) -> Array:
-    """Round-off of each zone's density (n,) from the closed forms of its jumps.
+    """Round-off of the density on each zone (n,) that the closed forms of its jumps cause.
 
     The terms of single jumps may be much larger than their sum.
     """
@@ -547,7 +548,7 @@ def _jump_rounding(state: AnyState) -> Array:
 
 
 def _reason(found: Solution, tol: float) -> str:
-    """The reason, as a message, why the error exceeds the tolerance."""
+    """The reason, as a message, why a solution's error exceeds the tolerance."""
     search = found.search
     if search is not None and not search.converged:
         return reasons.of_search(search)

@@ -178,7 +178,7 @@ COLUMNS = (
 
 
 def ordinary_scenes(count: int = 91, first: int = 10_000) -> list[contact.Scene]:
-    """`count` random scenes, from the seeds `first` and up, and four adhesive scenes."""
+    """`count` random scenes, drawn from seeds that begin at `first`, and four adhesive scenes."""
     scenes: list[contact.Scene] = []
     seed = first
     while len(scenes) < count:
@@ -215,7 +215,7 @@ def run_ordinary(scene: contact.Scene, patience: float) -> dict[str, Any]:
 
 
 def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
-    """Run all scenes with the named mechanism off; with all mechanisms on if `name` is empty."""
+    """Solve all scenes with the named mechanism off; if `name` is empty, with all mechanisms on."""
     for switch in MECHANISMS.get(name, ()):
         switch.apply()
     with unwarned():
@@ -229,7 +229,7 @@ def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
 
 
 def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Whether the zone ends of two solutions differ by more than the sum of the stated errors.
+    """Whether the zone ends of two solutions differ by more than the sum of their stated errors.
 
     Differences are relative to the widths of the zones.
     """
@@ -243,7 +243,7 @@ def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
-    """Return the table row of a mechanism, from the runs with the mechanism on and off."""
+    """Return the table row of a mechanism, from the results `on` with it and `off` without it."""
     pairs = list(zip(on["ordinary"], off["ordinary"], strict=True))
     solved = [(a, b) for a, b in pairs if a["solved"] and b["solved"]]
     ratios = [b["seconds"] / max(a["seconds"], 1e-4) for a, b in solved]
@@ -261,7 +261,7 @@ def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
 
 
 def main(names: list[str], options: list[str], out: Path | None) -> None:
-    """Measure mechanisms. As a run takes long, the table is published after each mechanism."""
+    """Measure the named mechanisms. As a run takes long, the table is published after each one."""
 
     def run(name: str) -> dict[str, Any]:
         return measured("contact.studies.ablation", "--one", name, *options)

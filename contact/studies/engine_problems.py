@@ -41,7 +41,7 @@ Array = NDArray[Any]
 
 @dataclass(frozen=True)
 class JudgingLimits:
-    """Limits by which a solution is judged."""
+    """Limits by which a computed solution is judged."""
 
     other_root: float = 1e-3  # a larger error of an end, relative to the width, is another root
 
@@ -50,7 +50,7 @@ LIMITS = JudgingLimits()
 
 
 class Parts(sie.Condition):
-    """Condition that prescribes the total of the density on each of the given zones."""
+    """Condition that prescribes the integral of the density on each of the given zones."""
 
     def __init__(self, zones: list[int], values: Array) -> None:
         self.zones, self.values = zones, values
@@ -97,17 +97,21 @@ class Design:
 
     @property
     def powers(self) -> Array:
-        """The exponents of the density at the ends (n, 2)."""
+        """Exponents of the density's power laws at the ends of the zones, as an array (n, 2)."""
         alpha, rest = np.arctan2(1.0, [self.kappa, -self.kappa]) / np.pi
         return np.column_stack((rest, alpha)) - (self.signs < 0)
 
     @property
     def heights(self) -> Array:
-        """|phi| / |P Y| on each zone (n,), for the density phi. `orientation` gives its sign."""
+        """The ratio |phi| / |P Y| on each zone (n,), for the density phi.
+        `orientation` gives the sign of the density. P and Y are defined at the head of this module.
+        """
         return np.asarray(-np.sin(np.pi * self.powers[:, 1]))
 
     def y(self, distance: Array) -> Array:
-        """y(x) at distances x, in extended precision: x, or sin(pi x/L) with a period L."""
+        """The function y(x) of distances x: x itself, or sin(pi x/L) with a period L.
+        It is computed in extended precision.
+        """
         scaled = np.asarray(distance, dtype=np.longdouble)
         return (
             scaled if self.period is None else np.sin(np.longdouble(np.pi) / self.period * scaled)
@@ -189,7 +193,8 @@ class Design:
         return float(self.orientation(zone) * self.heights[zone] * scale * size)
 
     def polynomial(self) -> list[float]:
-        """Coefficients, lowest power first, of the right side for a kernel without a smooth part.
+        """Coefficients of the polynomial right side of the equation, lowest power first.
+        They hold for a kernel without a smooth part.
 
         The right side is minus the polynomial part of P Y (head of this module) far away.
         """
@@ -205,7 +210,7 @@ class Design:
 
     @property
     def residue(self) -> complex:
-        """The residue of P Y (head of this module) at the pole above the line."""
+        """The residue of the product P Y (head of this module) at its pole above the real line."""
         assert self.pole is not None
         out = np.clongdouble(self.factor / (2j * self.pole.imag))
         for root in self.roots:
@@ -221,7 +226,7 @@ class Design:
         return np.asarray(-2 * (self.residue / (x - self.pole)).real)
 
     def poles_rise(self, x: Array) -> Array:
-        """An antiderivative of `poles`."""
+        """An antiderivative of `poles`, the part of the right side due to complex poles."""
         if self.pole is None:
             return np.zeros(np.shape(x))
         return np.asarray(-2 * (self.residue * np.log(x - self.pole)).real)
@@ -317,7 +322,7 @@ def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equat
 
 @dataclass(frozen=True)
 class Judged:
-    """The outcome of a problem, with the ratios of true to stated error.
+    """The outcome of solving a problem, with the ratios of true to stated error.
 
     `ratio` is the ratio for all zones together, `zone_ratio` the largest ratio of a single zone.
     """

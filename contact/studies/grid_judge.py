@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Judged:
-    """A contact that was found on a grid.
+    """A contact that was found on a grid, as a check of the solver.
 
     `level` is the approach, with a displacement of zero mean over a period. `settled` says whether
     the iterations converged.
@@ -63,7 +63,9 @@ def judge_period(
     load: float,
     n: int = 4096,
 ) -> Judged:
-    """Solve the contact of one period on n cells, for a substrate given by its symbol."""
+    """Solve the contact of one period on a grid of n cells.
+    The substrate is given by its symbol, the Fourier multiplier of its kernel.
+    """
     h = (cell[1] - cell[0]) / n
     x = np.asarray(cell[0] + h * (np.arange(n) + 0.5), dtype=np.float64)
     q = 2 * np.pi / (n * h) * np.arange(1, n // 2 + 1)
@@ -109,7 +111,7 @@ def _solve(
     max_steps: int = 20_000,
     converged_step: float = 1e-9,
 ) -> Judged:
-    """Iterate by Polonsky and Keer until the pressure changes by less than `converged_step`."""
+    """Polonsky and Keer's method, until the pressure changes by less than `converged_step`."""
     h = float(x[1] - x[0])
     allowed = np.isfinite(f)
     f = np.where(allowed, f, np.max(f[allowed]) + 1e3 * np.ptp(f[allowed]))
@@ -194,7 +196,7 @@ def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> s
 
 
 def wrongly_refused(scene: contact.Scene, error: contact.ContactError, cells: int = 4) -> str:
-    """Return a message if a scene was refused as full contact although a grid has gaps; else ''."""
+    """Return a message if full contact was reported although a grid finds gaps; else ''."""
     load = scene.given_load
     if load is None or scene.period is None or "gives a kernel and no symbol" not in str(error):
         return ""

@@ -44,7 +44,7 @@ def filled(page: str, folder: Path) -> str:
 
 
 def shown(name: str, text: str) -> str:
-    """Return what a page shows of the table with this name: its short form, if there is one."""
+    """Return the Markdown that a page shows for a table: its short form, if there is one."""
     if name not in shortened.SHORT:
         return text
     cells = shortened.SHORT[name](shortened.parsed(text))

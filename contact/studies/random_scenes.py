@@ -253,7 +253,7 @@ def unsound(scene: contact.Scene, solution: contact.Solution, tol: float) -> str
 
 
 def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
-    """Return a message if a solution contradicts one with a smaller tolerance; else ''."""
+    """Return a message if a solution contradicts the one for a smaller tolerance; else ''."""
     try:
         tight = contact.solve(scene, tol=max(1e-3 * tol, 1e-13))
     except contact.NotConverged as error:
@@ -277,7 +277,7 @@ def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: floa
 
 
 def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
-    """Return a message about a zone or gap that a grid contradicts; empty if there is none.
+    """Return a message about a zone or gap of a solution that a grid contradicts; else ''.
 
     A contradiction on a coarse grid must be confirmed by a fine grid, because the coarse grid may
     have fewer points than a measured trace.
@@ -298,7 +298,7 @@ def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
 def _against_cells(
     scene: contact.Scene, solution: contact.Solution, points: int, least_cells: int = 8
 ) -> str:
-    """Return a message about a zone or gap that a grid of `points` cells contradicts, or ''.
+    """Return a message about a zone or gap that a grid of `points` cells contradicts; else ''.
 
     Zones and gaps of fewer than `least_cells` cells are not compared.
     """

@@ -221,7 +221,7 @@ def mixed(rng: np.random.Generator, length: float) -> contact.Profile:
 
 
 def designed(rng: np.random.Generator, length: float) -> contact.Profile:
-    """The profile of a contact of 1 to 12 given zones, by inverse design."""
+    """A profile computed from its contact, which has 1 to 12 given zones."""
     period = length if rng.random() < 0.7 else None
     zones = int(rng.integers(1, 13 if period else 7))
     problem = random_problem(
@@ -258,7 +258,7 @@ FAMILIES: dict[str, Family] = {
 def with_counter_body(
     seed: int, family: str, profile: contact.Profile, length: float, share: float = 0.12
 ) -> tuple[str, contact.Profile]:
-    """Return (family, profile); for some seeds the profile is combined with a counter body.
+    """Return (family, profile); for some seeds the profile of a second body is added.
 
     The fraction of these seeds is `share`. The counter body comes from any family, at any shift,
     mirrored or not. Its cell has the length of the profile's cell, or a half, a third, two thirds
@@ -277,7 +277,9 @@ def with_counter_body(
 
 @dataclass(frozen=True)
 class Waves(contact.Interaction):
-    """A substrate of symbol 1 + excess[n - 1] for n waves in the period, and 1 for large n."""
+    """A substrate with the symbol 1 + excess[n - 1] for n waves in the period, 1 for large n.
+    The symbol is the Fourier multiplier of the kernel, divided by that of a half-plane.
+    """
 
     excess: tuple[float, ...]
     name = "waves"
@@ -298,7 +300,7 @@ class Waves(contact.Interaction):
         return sie.hilbert(period) + sie.Smooth(value, potential)
 
     def multiplier(self, q: Array, period: float) -> Array:
-        """The symbol L(q) of the substrate at wave numbers q."""
+        """The symbol L(q) of the substrate at wave numbers q (1 for a half-plane)."""
         n = np.rint(q * period / (2 * np.pi)).astype(int)
         table = np.concatenate((np.zeros(1), self.excess))
         return np.asarray(1 + np.where(n < len(table), table[np.minimum(n, len(table) - 1)], 0.0))
@@ -306,7 +308,8 @@ class Waves(contact.Interaction):
 
 @dataclass(frozen=True)
 class Bed(contact.Interaction):
-    """A substrate of symbol 1 + eps exp(-q depth) at wave number q, given by its kernel alone.
+    """A substrate with the symbol 1 + eps exp(-q depth) at wave number q, given by its kernel.
+    The symbol is the Fourier multiplier of the kernel, divided by that of a half-plane.
 
     With r = exp(-2 pi depth/period), the kernel and its potential are series of r^n sin(n theta)
     and r^n cos(n theta)/n, which have closed forms.
@@ -332,7 +335,7 @@ class Bed(contact.Interaction):
         return sie.hilbert(period) + sie.Smooth(value, potential)
 
     def multiplier(self, q: Array, period: float) -> Array:
-        """The symbol L(q) of the substrate at wave numbers q."""
+        """The symbol L(q) of the substrate at wave numbers q (1 for a half-plane)."""
         return np.asarray(1 + self.eps * np.exp(-q * self.depth))
 
 
@@ -349,7 +352,9 @@ class Coated(Bed):
 
 @dataclass(frozen=True)
 class Buried(contact.Interaction):
-    """A substrate of an isolated body: the kernel is 1/r + eps r/(r^2 + depth^2) with the lag r."""
+    """A substrate of an isolated body, with the kernel 1/r + eps r/(r^2 + depth^2).
+    Here r is the distance x - xi.
+    """
 
     eps: float
     depth: float
@@ -364,7 +369,7 @@ class Buried(contact.Interaction):
         )
 
     def rest(self, lag: Array) -> Array:
-        """The potential of the kernel minus ln|lag|, at lags x - xi."""
+        """The kernel's antiderivative minus ln|r| (the part of a half-plane), at r = x - xi."""
         return np.asarray(0.5 * self.eps * np.log(lag**2 + self.depth**2))
 
 

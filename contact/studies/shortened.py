@@ -59,10 +59,12 @@ def as_csv(cells: Cells) -> str:
 
 
 def columns(*names: str) -> Callable[[Cells], Cells]:
-    """Return a short form with the named columns; a column that the table lacks is left out."""
+    """Return a function that keeps the named columns of a table.
+    A column that the table lacks is left out.
+    """
 
     def short(cells: Cells) -> Cells:
-        # Two columns of one name are numbers 1 and 2: "true error" and "true error#2".
+        # If two columns have the same name, "#2" is added to the second name, as in "true error#2".
         seen: dict[str, int] = {}
         for index, name in enumerate(cells.columns):
             seen[name if name not in seen else f"{name}#2"] = index
@@ -78,7 +80,7 @@ def picked(cells: Cells, indices: Sequence[int]) -> Cells:
 
 
 def in_turn(*steps: Callable[[Cells], Cells]) -> Callable[[Cells], Cells]:
-    """Return a short form that applies several short forms, the first one first."""
+    """Return a function that shortens a table by several functions, one after the other."""
     return lambda cells: functools.reduce(lambda found, step: step(found), steps, cells)
 
 
@@ -89,7 +91,9 @@ def least_and_largest(cells: Cells) -> Cells:
 
 
 def slow_scenes(cells: Cells) -> Cells:
-    """Short form of times: of the scenes that take less than a millisecond, only the slowest."""
+    """Short form of a table of times.
+    Of the scenes that take less than a millisecond, it keeps only the slowest.
+    """
     times = [_seconds(row[1]) for row in cells.rows]
     fast = [index for index, time in enumerate(times) if time < 1e-3]
     slowest = max(fast, key=times.__getitem__, default=-1)
@@ -115,7 +119,7 @@ def _number(cell: str) -> float:
 
 
 def sentence(start: str, between: str) -> Callable[[Cells], Cells]:
-    """Return a short form of a table of names and values that is one line of text."""
+    """Return a function that turns a table of names and values into one line of text."""
 
     def short(cells: Cells) -> Cells:
         parts = "; ".join(between.join(row[:2]) for row in cells.rows)
@@ -125,7 +129,8 @@ def sentence(start: str, between: str) -> Callable[[Cells], Cells]:
 
 
 def hardest_reached(cells: Cells) -> Cells:
-    """Short form of the times of several codes: for each scene the smallest error reached.
+    """Short form of a table of times of several codes.
+    For each scene it keeps the smallest error that was reached.
 
     The columns are the scene, then for each bound of the error, falling, one column for each code,
     named "bound: code". A bound counts as reached if a code other than the first reaches it. If
@@ -145,7 +150,9 @@ def hardest_reached(cells: Cells) -> Cells:
 
 
 def faster_elsewhere(cells: Cells) -> Cells:
-    """Short form of the times to the largest bound: scenes that another code solves faster."""
+    """Short form of a table of times: scenes that another code solves faster.
+    The times are those to the largest error bound, which comes first.
+    """
     count = len({name.partition(": ")[2] for name in cells.columns[1:]})
     first = picked(cells, range(1 + count))
     rows = [row for row in first.rows if min(map(_seconds, row[2:])) < _seconds(row[1])]
@@ -159,7 +166,7 @@ def _seconds(cell: str) -> float:
 
 
 def losses(cells: Cells) -> Cells:
-    """Short form of the ablation: scenes lost or changed, and times."""
+    """Short form of the ablation table: for each mechanism, scenes lost or changed, and times."""
     rows: list[Row] = []
     for name, lost, changed, _, ordinary, within, extreme in cells.rows:
         counts = re.findall(r"\d+", within)
@@ -170,12 +177,13 @@ def losses(cells: Cells) -> Cells:
 
 
 def largest(cells: Cells) -> Cells:
-    """Short form of the rows of many intervals: the last row of each case."""
+    """Short form of a table with several rows for each case: only the last row of each case."""
     last = {row[0]: row for row in cells.rows}
     return picked(cells._replace(rows=list(last.values())), (0, 1, 2, 5, 6, 7))
 
 
-# The names are those of the tables' files.
+# Functions that shorten a table for the pages. Each key is the name of the table's file without its
+# suffix.
 SHORT: dict[str, Callable[[Cells], Cells]] = {
     "ablation": losses,
     "curves": columns("curve", "loads", "time", "largest stated error"),

@@ -17,7 +17,7 @@ LANES = 64
 
 @njit(cache=True, nogil=True, fastmath={"contract"}, error_model="numpy")
 def far_fields(begin: int, end: int, pairs: Any, moments: Any, nodes: Any, fields: Any) -> None:
-    """Add the fields of far sources on the targets begin ... end - 1 of a list of pairs.
+    """Add the fields of far sources at the targets begin ... end - 1 of a list of node pairs.
 
     pairs: (first pair of each target, targets, then for each pair: source, sign of zeta, gap, half
     width of the source, half width of the target, rho and log at the target's middle). moments:
@@ -40,7 +40,8 @@ def far_fields(begin: int, end: int, pairs: Any, moments: Any, nodes: Any, field
                 root = math.sqrt(excess * (excess + 2.0))
                 rho[i] = side / (1.0 + excess + root)
                 front[i] = scale / root
-            # Horner's rule at four nodes at a time keeps all numbers in registers.
+            # Horner's rule is applied at four nodes at a time, so that all numbers stay in
+            # registers.
             for i in range(0, terms, 4):
                 r0, r1, r2, r3 = rho[i], rho[i + 1], rho[i + 2], rho[i + 3]
                 v0 = v1 = v2 = v3 = 0.0
@@ -60,7 +61,8 @@ def far_fields(begin: int, end: int, pairs: Any, moments: Any, nodes: Any, field
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def _next_row(j: int, alpha: Any, beta: Any, rows: Any) -> None:
-    """Set row j of the matrices A, with T_j(alpha + beta s) = sum_k A_jk T_k(s), in its turn.
+    """Compute row j of the matrices A with T_j(alpha + beta s) = sum_k A_jk T_k(s).
+    The rows must be computed in ascending order.
 
     rows (3, terms + 3, LANES): three successive rows of one matrix for each lane. The coefficient
     of T_k is at k + 1, and that of T_0 is doubled. With coefficient 1 repeated at 0, one recurrence
@@ -83,7 +85,7 @@ def _next_row(j: int, alpha: Any, beta: Any, rows: Any) -> None:
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def upward(structure: Any, alpha: Any, beta: Any, moments: Any) -> None:
-    """Add the moments (nodes, terms) of all nodes of a tree to those of their parents.
+    """Add the moments (nodes, terms) of every node of a tree to those of its parent.
 
     structure: (first node of every level, then their number; parents). alpha, beta: see `Nested`.
     """
@@ -114,7 +116,7 @@ def upward(structure: Any, alpha: Any, beta: Any, moments: Any) -> None:
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def downward(structure: Any, alpha: Any, beta: Any, rises: Any, fields: Any) -> None:
-    """Add the fields at all nodes of a tree to those at their children.
+    """Add the field series of every node of a tree to those of its children, level by level.
 
     rises: see `Nested`. fields: series of the transform (nodes, terms), potential at the middle and
     its round-off.
@@ -135,7 +137,8 @@ def downward(structure: Any, alpha: Any, beta: Any, rises: Any, fields: Any) -> 
                 for k in range(terms):
                     above[k, b] = series[parent[start + b], k]
                     rise += rises[start + b, k] * above[k, b]
-                # The round-off of each sum is kept in `rest` (see `sie.basis.data.sum_error`).
+                # The round-off error of each sum is stored in `rest` (see
+                # `sie.basis.data.sum_error`).
                 before = middle[parent[start + b]]
                 added = middle[start + b] + rise + rest[parent[start + b]]
                 whole = before + added

@@ -21,7 +21,7 @@ from sie.results.derivative import (
 
 
 class GradedLinearized:
-    """The equations for the derivative of a solution on zones next to narrow gaps.
+    """Linear equations for the derivative of a solution on zones next to narrow gaps.
 
     The rows are those of `sie.graded.system`, whose right sides are values at nodes.
     """
@@ -42,20 +42,24 @@ class GradedLinearized:
         self.right = out
 
     def _changed_system(self, forcing: Forcing) -> GradedSystem:
-        """The system whose right side is `forcing`, the change of the equation's right side."""
+        """The linear system whose right side is `forcing`, the change of the original right side."""
         equation = replace(self.system.equation, forcing=forcing)
         check_functions(equation, self.zones)
         jumps = forcing.jumps_within(self.zones, equation.kernel)
         return GradedSystem(equation, self.zones, self.system.sizes, jumps)
 
     def density(self, y: Array) -> GradedDensity:
-        """The density with the unknowns y, and the jumps of `change.forcing` if this is given."""
+        """The derivative of the density, with the unknowns y.
+        It also has the jumps that `change.forcing` causes, if this is given.
+        """
         forced = self.changed is not None
         system = self.changed or self.system
         return GradedDensity(system, y, bounded_ends=False, forced=forced)
 
     def answer(self, right: Array) -> tuple[Array, Array]:
-        """(unknowns, outward motions of all ends) for given right sides of the rows."""
+        """(unknowns of the density's derivative, outward motions of all ends) from `right`.
+        `right` is a right side of the linear equations.
+        """
         y = self.system.unfold(self.state.solver(right))
         k = np.array(self.density(y).intensities)
         return y, end_rates_of(self.state.density, self.change.intensities - k)

@@ -28,7 +28,8 @@ from sie.second_kind.system import SecondKindRows
 
 
 class SecondKindLinearized:
-    """Linear equations for the rate of a solution under `change`, for equations with kappa.
+    """Linear equations for the derivative of a solution along `change`.
+    The integral equation is of the second kind: it contains kappa times the density.
 
     Raises ValueError for ends with a given value or intensity, and for a solution by an iteration.
     """
@@ -56,18 +57,20 @@ class SecondKindLinearized:
             raise ValueError("the change of the right side is not finite on the zones")
 
     def _changed_system(self, forcing: Forcing) -> SecondKindRows:
-        """The system whose right side is `forcing`, the change of the original right side."""
+        """The linear system whose right side is `forcing`, the change of the original right side."""
         equation = replace(self.system.equation, forcing=forcing)
         check_functions(equation, self.zones)
         jumps = known_densities(forcing, self.zones, equation.kernel.period)
         return SecondKindRows(equation, self.zones, self.system.layout, jumps)
 
     def density(self, y: Array) -> SecondKindDensity:
-        """The density with the unknowns y and the jumps of `change.forcing`."""
+        """The derivative of the density, with the unknowns y and the jumps of `change.forcing`."""
         return density_of(self.changed or self.system, y, self.changed is None)
 
     def answer(self, right: Array) -> tuple[Array, Array]:
-        """(unknowns, outward rates of all ends) for the right side `right` of the rows."""
+        """(unknowns of the density's derivative, outward motions of all ends) from `right`.
+        `right` is a right side of the linear equations.
+        """
         y = self.state.solver(right)
         if not self.zones.moves.any():
             return y, np.zeros((2, len(self.zones)))

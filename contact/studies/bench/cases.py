@@ -62,7 +62,7 @@ class Case:
 
 
 def closed(name: str, profile: Profile, exact: Any) -> Case:
-    """A case whose exact solution is a closed form."""
+    """A case whose exact solution is known in closed form."""
     single = len(exact.zones) == 1
     return Case(
         name, profile, exact.E_star, exact.mean_pressure, lambda scene: exact, "closed form", single
@@ -90,7 +90,7 @@ def parabola(E_star: float = 1.1e11, period: float = 1e-4) -> Case:
 
 
 def biquadratic() -> Case:
-    """A case of two tips in a period, at a mean pressure of 0.00109 E*.
+    """A case of a profile with two tips in a period, at a mean pressure of 0.00109 E*.
 
     The radius is R = 1, the spacing 2c = 0.1 and the period L = 2.4 c. The ratio of L to c is that
     of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045, who leave the load and c/R open.
@@ -102,7 +102,7 @@ def biquadratic() -> Case:
 
 
 def designed(zones: int = 8, seed: int = 8, spread: float = 10.0) -> Case:
-    """A case of random given zones, by inverse design."""
+    """A case with random zones, for which a profile with this exact contact is computed."""
     problem = random_problem(
         np.random.default_rng(seed), zones=zones, period=1.0, fraction=0.4, spread=spread
     )
@@ -127,7 +127,8 @@ def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
 
 
 def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
-    """A case of a rough profile whose reference solution is solved for the slope of the gap.
+    """A case of a rough profile.
+    The reference solution is found with the slope of the gap as the unknown.
 
     The solver itself solves for the pressure.
     """

@@ -42,7 +42,7 @@ CURVES: dict[str, tuple[Callable[[int], tuple[Scene, Array]], int, int]] = {
 
 
 def table(quick: bool) -> Table:
-    """The table of the load curves: processor times, numbers of zones and stated errors."""
+    """Table with a row for each load curve: processor time, numbers of zones, stated errors."""
     rows: list[tuple[str, ...]] = []
     for name, (make, many, few) in CURVES.items():
         scene, loads = make(few if quick else many)

@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class HarmonicZone(SymmetricZone):
-    """The zone [-a, a] of a profile of period 1 with harmonics of amplitudes d_1, d_2, ...
+    """Exact contact on [-a, a] of a profile of period 1 with harmonic amplitudes d_1, d_2, ...
 
     This is the true contact only if the pressure is positive and the gap is open.
     """
@@ -42,7 +42,7 @@ class HarmonicZone(SymmetricZone):
 
     @cached_property
     def _series(self) -> Array:
-        """Legendre coefficients of the load as a function of cos(2 pi half_width/period)."""
+        """Coefficients of the load as a Legendre series in cos(2 pi half_width/period)."""
         n = np.arange(1, len(self.amplitudes) + 1)
         weight = 0.5 * pi * self.E_star * n * np.array(self.amplitudes)
         return np.append(weight, 0.0) - np.append(0.0, weight)

@@ -32,7 +32,7 @@ def gauss(nodes: int = 8) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class ByPieces(SymmetricZone):
-    """The zone [-a, a] of an even profile whose slope is smooth between `breaks`."""
+    """Exact contact on [-a, a] of an even profile whose slope is smooth between `breaks`."""
 
     profile: Profile
     breaks: Array
@@ -42,12 +42,17 @@ class ByPieces(SymmetricZone):
 
     @cached_property
     def _edges(self) -> Array:
-        """Ends of the intervals of theta in which the slope is smooth, at x = a sin(theta)."""
+        """Ends of the intervals of theta in which the slope of the profile is smooth.
+        The position is x = a sin(theta), with the half width a.
+        """
         inside = self.breaks[np.abs(self.breaks) < self.half_width] / self.half_width
         return np.concatenate(([-0.5 * np.pi], np.arcsin(np.unique(inside)), [0.5 * np.pi]))
 
     def _rule(self, edges: Array) -> tuple[Array, Array, Array]:
-        """Positions, slopes and weights of the quadrature on the intervals of theta in `edges`."""
+        """(positions x, slopes of the profile, weights) of a quadrature over theta.
+        Here x = a sin(theta), with the half width a, and `edges` are the ends of the intervals of
+        theta.
+        """
         nodes, weights = gauss()
         half = 0.5 * np.diff(edges)
         theta = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * nodes
@@ -86,7 +91,7 @@ class ByPieces(SymmetricZone):
 
 
 def _graded(edges: Array, at: float) -> Array:
-    """The interval ends `edges`, and further ends so that intervals near `at` are shorter.
+    """The interval ends `edges`, and more ends, which make the intervals near `at` shorter.
 
     In the neighbouring intervals the difference quotient has a pole at the angle `at`. There the
     quadrature is accurate if an interval is no wider than its distance from the pole.

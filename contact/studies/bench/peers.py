@@ -96,7 +96,7 @@ PEERS = (Peer("tamaas", tamaas), Peer("ContactMechanics", contact_mechanics))
 
 
 def grids(quick: bool) -> list[int]:
-    """Return numbers of grid points with small prime factors, for fast transforms.
+    """Return numbers of grid points that have only small prime factors, for fast transforms.
 
     The numbers are not all multiples of each other, so that zone ends fall anywhere in the cells.
     """
@@ -156,8 +156,8 @@ def _measured(
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time of a run that reaches an error. A run does not count if a run on a finer grid
-    misses the error. None if no run counts.
+    """Least time of a run that reaches an error.
+    A run does not count if a run on a finer grid misses the error. None if no run counts.
 
     The rows go from coarse to fine grids. None if the run on the finest grid has a larger error.
     """

@@ -48,7 +48,9 @@ def precision(rows: list[Row], path: Path) -> None:
 
 
 def peers(rows: list[Row], path: Path) -> None:
-    """Draw errors of p(x) against time for the solver and other codes, a panel for each scene."""
+    """Draw errors of the pressure p(x) against time for this solver and other codes.
+    There is one panel for each scene.
+    """
     figure, panels = _panels(rows, "error of p at equal x, over the peak")
     for scene, axis in panels.items():
         for method, (colour, marker) in {OURS: ("tab:blue", "o"), **_PEERS}.items():
@@ -101,7 +103,7 @@ def _finish(figure: Any, panels: dict[str, Any], path: Path) -> None:
 
 
 def scaling(rows: list[Scaled], path: Path) -> None:
-    """Draw time, its lower estimate (floor) and memory against size, a panel for each series."""
+    """Draw time, its lower estimate (floor) and memory against size: one panel for each series."""
     series = list(dict.fromkeys(row.series for row in rows))
     across = min(2, len(series))
     down = -(-len(series) // across)

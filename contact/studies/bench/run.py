@@ -69,7 +69,7 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
 
 
 def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
-    """Run the solver, the localized models and other contact codes (peers) on one scene."""
+    """Measure the solver, the localized models and other contact codes (peers) on one scene."""
     rows = list(precision.ours(case, quick))
     if case.localized:
         rows += precision.hierarchy(case, quick)
@@ -84,7 +84,7 @@ def _asks_peers(case: Case) -> bool:
 
 
 def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:
-    """Run the extreme scenes; return a table of all, and the number of failures of unknown reason.
+    """Solve the extreme scenes; return (table of results, number of unexplained failures).
 
     The folder, if any, gets the tables of the pages and a CSV file of all scenes.
     """
@@ -98,7 +98,7 @@ def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Tabl
 
 
 def _write(folder: Path, tables: list[Table], made: str) -> None:
-    """Write tables in Markdown, with the measured commit `made` below each table."""
+    """Write tables in Markdown. Below each table stands `made`, the commit that was measured."""
     for table in tables:
         (folder / f"{table.key}.md").write_text(
             report.markdown(table) + f"\nMade at {made}.\n", encoding="utf-8"

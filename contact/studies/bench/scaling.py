@@ -29,7 +29,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scaled:
-    """Measurement of one scene: time and memory of `solve`, `floor_seconds`, and counts."""
+    """Measurement of one scene: time and memory of `solve`, its `floor_seconds`, and counts.
+    `floor_seconds` is a lower estimate of the time.
+    """
 
     series: str
     size: int
@@ -102,7 +104,8 @@ def rough_scene(harmonics: int) -> Scene:
 
 
 def _designed(zones: int) -> Scene:
-    """A scene of given zones by inverse design, none more than 3 times as wide as another.
+    """A scene with a given number of zones, whose profile is computed from the zones.
+    No zone is more than 3 times as wide as another.
 
     With larger ratios of widths, zones may be nearly unloaded.
     """
@@ -135,7 +138,7 @@ def series(quick: bool) -> list[tuple[str, list[int], Callable[[int], Scene], fl
 
 
 def measure(quick: bool) -> Iterator[Scaled]:
-    """Measure every size of every series."""
+    """Measure time and memory of `solve` for every size of every series of scenes."""
     for name, sizes, scene_of, tol in series(quick):
         for size in sizes:
             yield one(name, size, scene_of(size), tol, 0.2 if quick else 0.5)
@@ -167,7 +170,8 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
 
 
 def fitted(rows: list[Scaled]) -> list[Scaled]:
-    """Return the rows for a fitted exponent: the larger half of the sizes, but at least three.
+    """Return the rows from which the exponent of a power law is fitted.
+    They are those of the larger half of the sizes, but at least three.
 
     If there are three rows with the same kind of sums as the largest size, all others are left out.
     """

@@ -63,7 +63,7 @@ def stated_measure(found: Exact, exact: Exact) -> float:
 
 
 def at_places(x: Array, pressure: Array, exact: Exact) -> tuple[float, float]:
-    """Return the largest and the mean error of pressures at the positions x.
+    """Return (largest error, mean error) of the pressures at the positions x.
 
     The middle hundredth of a zone is left out if its pressure is infinite.
     """
@@ -77,7 +77,7 @@ def at_places(x: Array, pressure: Array, exact: Exact) -> tuple[float, float]:
 
 
 def comb(exact: Exact, points: int = 2048) -> Array:
-    """Return positions for `at_places`: an even grid, and points close to every end."""
+    """Return positions at which pressures are compared: an even grid, and points near zone ends."""
     zones = np.asarray(exact.zones)
     low, high = zones[0, 0], zones[-1, 1]
     margin = 0.1 * (high - low)

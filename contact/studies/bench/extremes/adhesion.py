@@ -121,6 +121,7 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
 
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
     """Condition number of ends and pressures with respect to the load or the attribute `by`.
+    It is their relative change per relative change of this number.
 
     It is the relative change of the result, divided by that of the load or attribute, 1e-3 `part`.
     `part` is the relative distance of the load from a turning point.

@@ -67,7 +67,7 @@ def fractions() -> Iterator[Extreme]:
 def wave(
     fraction: float, E_star: float = 1.0, period: float = 1.0, amplitude: float = 1e-2
 ) -> tuple[Scene, Exact]:
-    """The scene and the exact solution of Westergaard's wave at a given contact fraction."""
+    """(scene, exact solution) of Westergaard's wave at a given contact fraction."""
     exact = Westergaard.from_contact_fraction(
         fraction, amplitude=amplitude, period=period, E_star=E_star
     )
@@ -77,7 +77,7 @@ def wave(
 
 
 def near_full(below: float) -> tuple[Scene, Exact]:
-    """The wave at `1 - below` times the pressure of full contact, and the exact solution.
+    """(scene, exact solution) of a wave at `1 - below` times the pressure of full contact.
 
     The mean pressure is rounded to a double; the zone is exact for the rounded pressure.
     """
@@ -130,7 +130,7 @@ def loads_near_full() -> Iterator[Extreme]:
 
 
 def _series_near_full(part: float) -> tuple[Scene, Exact]:
-    """A profile of six random harmonics just below full contact, with a single gap left."""
+    """A profile of six random harmonics, just below full contact, where a single gap is left."""
     rng = np.random.default_rng(1)
     profile = Fourier(1.0, 1e-3 * rng.normal(size=6), 1e-3 * rng.normal(size=6))
     full = solve(Scene(profile, 1.0, Periodic(), contact_fraction=1.0)).mean_pressure
@@ -163,7 +163,7 @@ def merges() -> Iterator[Extreme]:
 
 
 def _biquadratic(share: float) -> tuple[Scene, Exact]:
-    """An isolated punch with two tips, under `share` times the load that merges its zones."""
+    """(scene, exact solution) of two tips, at `share` times the load at which their zones merge."""
     merging = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=1.0).merging_load
     exact = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=share * merging)
     return Scene(Biquadratic(1.0, 2.0), 1.0, Isolated(), load=exact.load), exact

@@ -19,7 +19,7 @@ from contact.studies.bench.truth import Exact
 def designed(
     zones: list[list[float]], period: float | None, load: float = 0.05
 ) -> tuple[Scene, DesignedContact]:
-    """The scene and the exact contact of given zones, by inverse design."""
+    """(scene, exact contact) with given zones; the profile is computed from the zones."""
     exact = design(zones, 1.0, load, period)
     return Scene(exact.profile, 1.0, Isolated() if period is None else Periodic(), load=load), exact
 
