@@ -198,7 +198,8 @@ def draw_pressure(axes: Any, solution: Solution, column: Stretch, name: str = "p
     if np.isinf(solution.max_pressure):
         _note(axes, r"$p \to \infty$", 0.92)
     elif column.hi - column.lo < np.ptp(window(solution)):
-        top = max(float(pressure.max()), 1e-3 * top) or 1.0
+        top = max(float(pressure.max()), 1e-3 * top)
+    top = top or 1.0  # without contact there is no pressure
     scale, unit = scaled(max(top_pressure(solution), -lowest), "Pa")
     shown = np.clip(pressure, lowest - top, 2.0 * top) * scale
     fill = {"color": PRESSURE, "linewidth": 0}

@@ -277,7 +277,7 @@ class ForcingJumps(PlacedJumps):
             _TERMS_OF_A_SHAPE * pairs,
             (self.left, np.sqrt(self.left), np.sqrt(self.right), self.order, self.height / np.pi),
             (grouped.order, grouped.first, grouped.count),
-            (row, left, right),
+            tuple(np.array(part) for part in (row, left, right)),
             out,
         )
         return out

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -81,6 +83,13 @@ def test_densities_of_jumps_are_those_of_arrays(threads, monkeypatch) -> None:
     wanted = jumps.density(zone, left, 2 - left)
     monkeypatch.setattr(compiled, "MIN_TERMS", 0)
     found = jumps.density(zone, left, 2 - left)
+    # Arrays that `broadcast_arrays` returns, and those with steps, are copied before a loop.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        same = jumps.density(*np.broadcast_arrays(zone, 0.3, 1.7))
+        stepped = jumps.density(zone, np.repeat(left, 2)[::2], 2 - left)
+    assert np.array_equal(same, jumps.density(zone, np.full(500, 0.3), np.full(500, 1.7)))
+    assert np.array_equal(stepped, found)
     assert np.array_equal(np.isinf(found), np.isinf(wanted))
     finite = np.isfinite(wanted)
     found, wanted = found[finite], wanted[finite]
