@@ -27,7 +27,7 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class OctaveOptions:
-    """Degrees of the series on an octave, and tolerances for truncation and round-off."""
+    """Degrees of the Chebyshev series on an octave [half/2, half], and their tolerances."""
 
     # Degrees of the series that are tried in turn; the first degree resolves any power of r.
     degrees: tuple[int, ...] = (24, 96, 384)
@@ -119,7 +119,7 @@ class Octave:
         )
 
     def equals(self, other: "Octave", noise: float) -> bool:
-        """Whether the values of two octaves' series agree within noise."""
+        """Whether the series of this octave and of `other` agree to within their noise."""
         difference = chebyshev.chebsub(self.series, other.series)
         return _largest(difference) <= SERIES.noise_factor * noise
 

@@ -41,7 +41,7 @@ class ClosedFields(ZoneFields):
     def __getstate__(self) -> dict[str, Any]:
         return {"scene": self.scene, "zone": self.zone, "amplitude_rate": 0.0}
 
-    # The following quantities are computed from a numerical solution of the equation.
+    # The following quantities need a numerical solution of the contact equation.
 
     @cached_property
     def problem(self) -> Problem:  # type: ignore[override]
@@ -64,7 +64,7 @@ class ClosedFields(ZoneFields):
         on = sie.Zones.of(zones, end, end, symmetric=True)
         return sie.solve_zones(equation, on, TOLERANCES.rounding)
 
-    # The following quantities are computed from the Chebyshev series.
+    # The following quantities are computed from the Chebyshev series of the pressure.
 
     @cached_property
     def zone_table(self) -> Array:
@@ -179,7 +179,8 @@ class ClosedFields(ZoneFields):
         if not self.scene.operator.has_approach:
             return None
         level = self._even_level
-        # Next to full contact, `level` may round to zero for a flat punch.
+        # Next to full contact, the compliance of a flat punch, and with it `level`, may round to
+        # zero.
         return -math.pi * self._unit / level if level else math.inf
 
     @cached_property

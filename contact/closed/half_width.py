@@ -51,9 +51,9 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     value = _carried(problem, control, a)
     above = np.flatnonzero(value >= control.value)
     if len(above) == 0:
-        # The controlled value may still be reached at a maximum between two scanned half widths. Of
-        # equal maxima the widest is taken. A flat punch has the same zero load at all half widths
-        # up to its corners.
+        # If the controlled load or approach is above all scanned values, its maximum between two
+        # scanned half widths may still reach it. Of equal maxima the widest is taken. A flat punch
+        # has the same zero load at all half widths up to its corners.
         k = int(np.clip(np.flatnonzero(value == value.max())[-1], 1, len(a) - 2))
         top = require("scipy.optimize").minimize_scalar(
             lambda x: -float(_carried(problem, control, np.array([x]))[0]),
@@ -133,7 +133,7 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
 
 
 def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
-    """(half widths, controlled quantity at each), up to the first maximum of this quantity.
+    """(half widths, load or approach at each), up to the first maximum of the load or approach.
 
     The quantity is the load or the approach.
     """

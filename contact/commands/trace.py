@@ -33,7 +33,7 @@ _STEEL_POISSON_RATIO = 0.3
 
 
 def _number(text: str) -> Any:
-    """The value of a text as in TOML: true or false, a number, or else the text itself."""
+    """The value that a text has in TOML: true or false, a number, or else the text itself."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (int, float):
@@ -212,7 +212,7 @@ def _value(value: Any, unit: str | None) -> str:
 
 
 def _together(profile: Profile) -> str:
-    """The common period of two bodies, or the interval in which they face each other, as text."""
+    """The common period of two bodies, or the interval that both profiles cover, as text."""
     if profile.period is not None:
         cells = [
             f"{round(profile.period / body.period)} of {place}"

@@ -110,7 +110,7 @@ class _Contact(NamedTuple):
 
 
 class _Problem:
-    """Objective and conditions as functions of the vector of data, with all evaluations."""
+    """Objective and conditions as functions of the vector of data; it records all evaluations."""
 
     def __init__(
         self,
@@ -215,7 +215,7 @@ class _Problem:
         return out
 
     def numbers(self, vector: Array) -> Array:
-        """The numbers of all conditions at all values of the control, one after the other."""
+        """Numbers that have conditions, at all values of the control, as one array."""
         return np.array([v for one in self.conditions for v in self.table(vector, one.number)])
 
     def tops(self, vector: Array) -> Array:
@@ -247,7 +247,7 @@ class _Problem:
         return self._bounded(vector, counted=True)
 
     def room_slopes(self, vector: Array) -> Array:
-        """Derivatives of `rooms` by the vector (m, n)."""
+        """Derivatives (m, n) of the m `rooms` by the n entries of the vector of data."""
         return self._bounded(vector, counted=False)
 
     def _bounded(self, vector: Array, counted: bool) -> Array:

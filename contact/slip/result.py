@@ -214,7 +214,7 @@ class Slip(sie.Kept):
 
     @property
     def summary(self) -> str:
-        """One line: the loads, what sticks, and the stated error."""
+        """One line of text: the loads, the zones that stick, and the stated error."""
         width = float(np.diff(self.stick_zones).sum())
         zones = len(self.stick_zones)
         what = (
@@ -231,7 +231,7 @@ class Slip(sie.Kept):
         return require(_FIGURES).plot(self)
 
     def __str__(self) -> str:
-        """The numbers with units and stated errors, and what sticks and slips, as a table."""
+        """A text table of the numbers with units and errors, and of stick and slip zones."""
         text: str = require(_REPORT).report(self)
         return text
 

@@ -85,7 +85,7 @@ def judge_line(
     load: float,
     n: int = 1024,
 ) -> Judged:
-    """Solve the contact of an isolated body on a grid over the interval `window`.
+    """Solve the contact of an isolated body on a grid of n cells in the interval `window`.
 
     The interval must contain the contact. `rest` is the potential of the kernel minus ln|lag|.
     """

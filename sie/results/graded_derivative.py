@@ -42,7 +42,7 @@ class GradedLinearized:
         self.right = out
 
     def _changed_system(self, forcing: Forcing) -> GradedSystem:
-        """The linear system whose right side is `forcing`, the change of the original right side."""
+        """The linear system whose right side is `forcing`, the change of the original forcing."""
         equation = replace(self.system.equation, forcing=forcing)
         check_functions(equation, self.zones)
         jumps = forcing.jumps_within(self.zones, equation.kernel)

@@ -57,7 +57,7 @@ class SecondKindLinearized:
             raise ValueError("the change of the right side is not finite on the zones")
 
     def _changed_system(self, forcing: Forcing) -> SecondKindRows:
-        """The linear system whose right side is `forcing`, the change of the original right side."""
+        """The linear system whose right side is `forcing`, the change of the original forcing."""
         equation = replace(self.system.equation, forcing=forcing)
         check_functions(equation, self.zones)
         jumps = known_densities(forcing, self.zones, equation.kernel.period)

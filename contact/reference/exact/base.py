@@ -48,7 +48,9 @@ def refuse_load(load: float, most: float, why: str) -> None:
 
 
 def with_datum(what: str, value: float | None) -> float:
-    """Return the value; raise SceneError if the value is None because a datum is missing."""
+    """Return the value; raise SceneError if it is None because a datum is missing.
+    The datum is the distance at which the far field of an isolated body's displacement is zero.
+    """
     if value is None:
         raise SceneError.of(
             "datum", None, f"a length > 0 where {what} of an isolated zone is asked for"
@@ -376,7 +378,9 @@ class _FromLoad(SymmetricZone):
 
 @dataclass(frozen=True)
 class IsolatedZone(_FromLoad):
-    """Base class of the solutions of one isolated zone, with a datum for the approach."""
+    """Base class of the solutions of one isolated zone.
+    Its approach needs a datum d: far away, the displacement is proportional to ln|x/d|.
+    """
 
     E_star: float
     half_width: float

@@ -38,7 +38,7 @@ class _Punch(SymmetricZone):
             return unit * cosine(self.half_width, self.period, d) / root
 
     def _depth(self, e: Array) -> Array:
-        """Approach minus displacement [m], at the distance e outside the punch."""
+        """Approach minus displacement [m] at the distance e outside an end of the punch."""
         unit = 2.0 * self.load / (pi * self.E_star)
         return unit * arcosh1p(sine_excess(self.half_width, e, self.period))
 

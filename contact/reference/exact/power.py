@@ -40,7 +40,9 @@ class _Power(SymmetricZone):
 
     @property
     def max_pressure(self) -> float:
-        """Largest pressure [Pa]: at x = 0 for exponents up to 2, at two places beyond."""
+        """Largest pressure [Pa].
+        It is at x = 0 for exponents up to 2, and at two points +-x for larger exponents.
+        """
         middle = float(self.pressure_at(0.0))
         if self.exponent <= 2.0:
             return middle

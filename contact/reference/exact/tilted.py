@@ -397,7 +397,7 @@ class TiltedPunch(TiltedZone):
     Attributes
     ----------
     lifted : bool
-        Whether one end is out of contact.
+        Whether one corner of the punch is out of contact.
     half_width, middle, tilt : float
         Half width and middle of the zone [m], and the angle [rad].
     rotational_stiffness : float
@@ -438,7 +438,7 @@ class TiltedPunch(TiltedZone):
 
     @property
     def lifted(self) -> bool:
-        """Whether one end is out of contact."""
+        """Whether one corner of the punch is out of contact."""
         return abs(self.moment) > 0.5 * self.load * self.corner
 
     @property

@@ -107,7 +107,7 @@ class CohesiveDesign:
     Attributes
     ----------
     profile : Polynomial
-        The profile that has this contact.
+        The profile whose exact contact this is.
     load : float
         Load of all zones less that of the tension [N/m].
     condition : float
@@ -347,7 +347,7 @@ class CohesiveDesign:
 
     @cached_property
     def profile(self) -> Polynomial:
-        """The profile that has this contact."""
+        """The profile whose exact contact this is."""
         middle, half = self._frame
         slope = np.polynomial.Polynomial(self._series[:-1][::-1], (middle - half, middle + half))
         return Polynomial(slope.integ(lbnd=middle).convert(domain=(-1.0, 1.0)).coef)
