@@ -60,7 +60,7 @@ Parts = tuple[dict[str, Any], dict[str, Array]]
 
 
 class Session:
-    """The scene of one tab of a browser.
+    """The scene that one tab of a browser shows, and the requests of this tab.
 
     is_awaited: whether another request waits. Then a load curve, or a scene at rest, gives way.
     """

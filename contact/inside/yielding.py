@@ -181,7 +181,8 @@ class _Search:
                 high, weights[1] = last, 1.0
                 weights[0] = 0.5 * weights[0] if side > 0 else 1.0
                 side = 1
-            # `last[1]` is ln(stress / strength). Below `noise`, it is lost in the stress's error.
+            # `last[1]` is ln(largest stress / strength). If it is below `noise`, it is smaller than
+            # the error of the stress.
             noise = 0.1 * last[3].error / self.strength
             if abs(last[1]) < noise:
                 break

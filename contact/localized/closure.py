@@ -88,7 +88,7 @@ def first_order(
 
 
 def _is_asperity(problem: Problem, zones: Array) -> bool:
-    """Whether there is a single zone, and the profile has at most one local minimum in it."""
+    """Whether there is a single zone in which the profile has at most one local minimum."""
     if len(zones) != 1:
         return False
     inside = np.linspace(float(zones[0, 0]), float(zones[0, 1]), LOOKS)

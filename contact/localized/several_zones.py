@@ -154,7 +154,7 @@ class SeveralZones:
         return missed
 
     def _at(self, pressure: float, start: Array | None, last: TwoContacts | None) -> TwoContacts:
-        """The contacts of the strip and of the profile without images, at one nominal pressure."""
+        """(contact of the strip, contact of the profile without images) at one nominal pressure."""
         strip = self.strip(self.scaled.problem.with_amplitude(pressure), self.scaled.control, start)
         centre = strip.fields.problem.centre
         with self.context.plan.timed("isolated reference"):

@@ -29,7 +29,8 @@ from sie import Array, nearest_image, record
 class LoopOptions:
     """Options of `PlasticLoop`."""
 
-    # Newton's method stops as soon as a zone vanishes, so that a round may remove one zone only.
+    # Newton's method stops as soon as a zone vanishes, so that a round of the search may remove one
+    # zone only.
     max_rounds: int = 40
     # Width of a new plateau, divided by that of the interval in which the pressure is too high. A
     # plateau that is too narrow grows faster than one that is too wide shrinks.

@@ -84,7 +84,7 @@ class JKRZone(AdhesiveZone):
 
     @cached_property
     def punch(self) -> IsolatedPunch | PeriodicPunch:
-        """The flat punch whose pressure is subtracted from that of the frictionless zone."""
+        """The flat punch whose pressure is subtracted from that of the adhesionless zone."""
         a, load = self.half_width, sqrt(2.0 * pi * self.E_star * self.work * self.tangent)
         if self.period is None:
             return IsolatedPunch(a, self.E_star, load, self.datum)

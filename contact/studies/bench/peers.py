@@ -157,7 +157,7 @@ def _measured(
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
     """Least time of a run that reaches an error.
-    A run does not count if a run on a finer grid misses the error. The time is None if no run counts.
+    A run does not count if a run on a finer grid misses the error. Without any, it is None.
 
     The rows go from coarse to fine grids. None if the run on the finest grid has a larger error.
     """
