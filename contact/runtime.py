@@ -25,14 +25,15 @@ class _Mallopt(IntEnum):
     MMAP_MAX = -4  # bounds the number of blocks that are mapped one by one
 
 
-# These values are restored when freed memory need no longer be kept. The trim threshold is the one
-# that glibc itself reaches in a process with large arrays; MMAP_MAX has glibc's default.
+# These values of glibc's settings are restored when freed memory need no longer be kept. The trim
+# threshold is the value that glibc itself reaches in a process with large arrays. MMAP_MAX has
+# glibc's default.
 _GLIBC_DEFAULTS = {_Mallopt.TRIM_THRESHOLD: 1 << 26, _Mallopt.MMAP_MAX: 1 << 16}
 _KEEP_ALL = {_Mallopt.TRIM_THRESHOLD: -1, _Mallopt.MMAP_MAX: 0}
 
 
 class SharedState:
-    """A setting of the process that concurrent `with` blocks of all threads share.
+    """A setting of the whole process that concurrent `with` blocks of all threads share.
 
     The first block to begin calls `enter`, the last one to end calls `leave`.
 
@@ -93,7 +94,7 @@ _freed_memory_is_kept = SharedState(_start_keeping, _stop_keeping)
 
 
 def _libc() -> ctypes.CDLL | None:
-    """The C library of the process if it is glibc; else None."""
+    """The C library of the process if it is glibc; None on other systems."""
     try:
         libc = ctypes.CDLL(None)
         libc.gnu_get_libc_version  # noqa: B018
@@ -108,8 +109,8 @@ def _blas_libraries(scipy_is_loaded: bool) -> Any:
 
 
 def _limit_to_one_thread() -> Any:
-    # numpy and scipy may each bring their own BLAS. To find these libraries takes milliseconds, so
-    # `_blas_libraries` is cached.
+    # numpy and scipy may each bring their own BLAS. Finding these libraries takes milliseconds, so
+    # the result of `_blas_libraries` is cached.
     return _blas_libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas")
 
 

@@ -7,14 +7,14 @@ from sie.slits.system import AnyState
 
 
 def of_search(search: Free) -> str:
-    """The reason, as a message, why a search for the ends stopped without convergence."""
+    """A message with the reason why a search for the zone ends stopped without convergence."""
     which = [f"zone {i}" for i in search.lost] + [f"the gap after zone {i}" for i in search.met]
     more = f" and {len(which) - 4} more" if len(which) > 4 else ""
     return search.reason + (f" ({', '.join(which[:4])}{more}, counted from 0)" if which else "")
 
 
 def of_error(state: AnyState, search: Free | None, tol: float) -> str:
-    """The reason, as a message, for the largest part of a solution's stated error."""
+    """A message with the reason for the largest part of a solution's stated error."""
     if search is not None:
         zone = int(search.rounding.max(axis=1).argmax())
         open_ = float(search.rounding[zone].max())

@@ -12,7 +12,9 @@ from contact.slip.memory import SAME_LOAD
 
 
 def require_similar(scene: Scene) -> None:
-    """Raise SceneError unless shear and pressure of the scene obey the same equation."""
+    """Raise SceneError unless shear and pressure obey the same equation.
+    Only then does the shear follow from pressures under smaller loads.
+    """
     law, model, body = scene.law, scene.interaction, scene.substrate
     if not isinstance(law, Frictionless):
         raise SceneError(
@@ -47,12 +49,14 @@ def require_similar(scene: Scene) -> None:
 
 
 def friction_of(value: object) -> float:
-    """The coefficient of friction; SceneError unless it is a finite number > 0."""
+    """The coefficient of friction, checked. Raises SceneError unless it is a finite number > 0."""
     return positive("friction", value)
 
 
 def tangential_load_of(value: object, friction: float, load: float) -> float:
-    """The tangential load [N/m]; SceneError if it is above friction * load in size."""
+    """The tangential load [N/m], checked.
+    Raises SceneError if its absolute value exceeds friction * load.
+    """
     number, most = finite("tangential_load", value), friction * load
     if abs(number) > most * (1.0 + SAME_LOAD):
         raise SceneError.of(
@@ -64,7 +68,7 @@ def tangential_load_of(value: object, friction: float, load: float) -> float:
 
 
 def bulk_stress_of(value: object, scene: Scene, tangential_load: float) -> float:
-    """The checked bulk stress [Pa].
+    """The bulk stress [Pa], checked: a finite number that is allowed for this scene.
 
     A bulk stress other than 0 raises SceneError in periodic contact or without tangential load.
     """
@@ -93,6 +97,6 @@ def _two_signs(value: object) -> SceneError:
 
 
 def nested_or_refused(is_nested: bool, bulk_stress: float) -> None:
-    """Raise SceneError if zones that stick do not lie within the contact, due to a bulk stress."""
+    """Raise SceneError if, under a bulk stress, the stick zones do not lie within the contact."""
     if not is_nested:
         raise _two_signs(bulk_stress)

@@ -31,7 +31,7 @@ UNITS = {
 
 
 def to_dict(slip: Slip) -> dict[str, Any]:
-    """Intervals and numbers of a slip, with its solution, in the types of JSON."""
+    """The stick and slip zones, the results and the normal contact as a dictionary for JSON."""
     values = {
         "model": slip.model,
         **{name: getattr(slip, name) for name in UNITS},
@@ -43,7 +43,7 @@ def to_dict(slip: Slip) -> dict[str, Any]:
 
 
 def interval_table(slip: Slip) -> list[tuple[float, float, float, str]]:
-    """One row for each interval, from left to right; the columns are `INTERVAL_COLUMNS`."""
+    """Rows for all stick and slip zones, from left to right; columns are `INTERVAL_COLUMNS`."""
     rows = [
         (float(left), float(right), float(right - left), state)
         for state, table in (("stick", slip.stick_zones), ("slip", slip.slip_zones))
@@ -53,7 +53,7 @@ def interval_table(slip: Slip) -> list[tuple[float, float, float, str]]:
 
 
 def zone_frame(slip: Slip) -> Any:
-    """The table of intervals as a pandas.DataFrame with `attrs["units"]`."""
+    """The table of stick and slip zones as a pandas.DataFrame with `attrs["units"]`."""
     rows = interval_table(slip)
     columns: dict[str, Any] = {
         name: np.array([row[k] for row in rows]) for k, name in enumerate(INTERVAL_COLUMNS)
@@ -69,7 +69,7 @@ def _fields(slip: Slip) -> dict[str, Any]:
 
 
 def write_csv(slip: Slip, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the table of intervals to a CSV file."""
+    """Write the table of stick and slip zones to a CSV file."""
     text = export.csv_of(INTERVAL_COLUMNS, interval_table(slip))
     export.new_file(path, overwrite).write_text(text, encoding="utf-8")
 
@@ -84,7 +84,7 @@ def write_fields(slip: Slip, path: str | PathLike[str], overwrite: bool = False)
 
 
 def write_json(slip: Slip, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the slip as one line of JSON to a file."""
+    """Write the solution with friction as one line of JSON to a file."""
     text = json.dumps(to_dict(slip), allow_nan=False)
     export.new_file(path, overwrite).write_text(text + "\n", encoding="utf-8")
 
@@ -98,7 +98,7 @@ def write_netcdf(slip: Slip, path: str | PathLike[str], overwrite: bool = False)
 
 
 def write(slip: Slip, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write the slip to a file that ends in .json or .nc."""
+    """Write the solution with friction to a file that ends in .json or .nc."""
     file = export.new_file(path, overwrite, (".json", ".nc"))
     if file.suffix.lower() == ".json":
         write_json(slip, file, overwrite)
@@ -107,7 +107,7 @@ def write(slip: Slip, path: str | PathLike[str], overwrite: bool = False) -> Non
 
 
 def to_xarray(slip: Slip) -> Any:
-    """The xarray.Dataset of the solution, with the shear, the intervals and the numbers."""
+    """The xarray.Dataset of the contact, with the shear and with the stick and slip zones."""
     data = export.to_xarray(slip.solution)
     data["shear"] = (
         "x",

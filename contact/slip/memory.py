@@ -27,19 +27,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Loads count as equal if their relative difference is smaller: a few units in the last digit.
+# Two loads count as equal if their relative difference is below this value, a few units in the last
+# digit.
 SAME_LOAD = 8 * float(np.finfo(float).eps)
 
 
 class Layer(NamedTuple):
-    """An interval of loads [N/m] with constant h, from the top of the layer below to `top`."""
+    """An interval of loads P' [N/m] up to `top` in which h(P') is constant.
+    It begins at the top of the layer below. The shear is q = int h dp(x; P').
+    """
 
     top: float
     h: float
 
 
 class SlipStep(NamedTuple):
-    """A part of a segment, on one layer. There h changes by the absolute value `change`.
+    """A part of a segment of loading in which slip spreads through one layer of loads.
+    In this layer h changes by the absolute value `change`.
 
     The stick load S falls from `stick[0]` to `stick[1]` while P goes from `load[0]` to `load[1]`,
     in proportion. Loads are in N/m.
@@ -52,7 +56,8 @@ class SlipStep(NamedTuple):
 
 @dataclass(frozen=True)
 class Segment:
-    """A straight segment of a history: the state at its end, and what slipped on the way.
+    """A straight segment of the loading history.
+    It has the state at its end, and what slipped on the way.
 
     Parameters
     ----------
@@ -70,7 +75,8 @@ class Segment:
 
 
 class Memory:
-    """The function h of the head of this module, updated by each segment of the path of (P, Q).
+    """The memory of a contact with friction: a function h(P') of the load P', |h| <= mu.
+    Each segment of the history (P, Q) of normal and tangential load updates h.
 
     Parameters
     ----------
@@ -85,11 +91,13 @@ class Memory:
 
     @property
     def load(self) -> float:
-        """The present load P [N/m]."""
+        """The present normal load P [N/m]."""
         return self.layers[-1].top if self.layers else 0.0
 
     def go_to(self, load: float, tangential_load: float) -> Segment:
-        """Update h by a straight segment to P = `load` > 0, Q = `tangential_load`, |Q| <= mu P."""
+        """Update h by a straight segment of loading, to P = `load` > 0 and Q = `tangential_load`.
+        Q must satisfy |Q| <= mu P.
+        """
         start, rise = self.load, load - self.load
         turn = tangential_load - self.tangential_load
         self.tangential_load = tangential_load
@@ -106,13 +114,16 @@ class Memory:
         return Segment(tuple(self.layers), stick, tuple(steps))
 
     def _push(self, top: float, h: float) -> None:
-        """Add a layer on top; it absorbs the layer below if both have the same h."""
+        """Add a layer (interval of loads with constant h) on top.
+        The layer below is absorbed if it has the same h.
+        """
         if self.layers and self.layers[-1].h == h:
             self.layers.pop()
         self.layers.append(Layer(top, h))
 
     def _advance(self, path: "_Path", steps: list[SlipStep]) -> tuple[float, float]:
-        """Follow the path until S leaves a layer, P meets S, P leaves a layer, or the path ends.
+        """Follow the segment until an event happens: S or P leaves a layer, P meets S, or it ends.
+        S is the load whose zones still stick, P the load.
 
         Returns the part of the path that is done, and the load S whose zones stick.
         """
@@ -129,8 +140,9 @@ class Memory:
                 return 1.0, 0.0
         under = self.layers.pop()
         stick, bottom = under.top, self.load
-        # The stick load S falls through the layer `under`, where h = `under.h`. With s = `sign`,
-        # s dQ = mu dP - (mu - s h) dS. `falls` is the rate at which S falls along the path.
+        # The load S, whose zones stick, falls through the layer `under`, where h = `under.h`. With
+        # s = `sign`, s dQ = mu dP - (mu - s h) dS. `falls` is the rate at which S falls along the
+        # segment.
         change = mu - sign * under.h
         falls = (sign * path.turn - mu * path.rise) / change
         closing = -(path.rise + falls)  # rate at which P comes down to S
@@ -155,7 +167,9 @@ class Memory:
         return done, end_stick
 
     def _cut(self, path: "_Path") -> tuple[float, float]:
-        """Follow the path while P falls and nothing slips, at most through the top layer."""
+        """Follow the segment while the load P falls and nothing slips.
+        At most the top layer (interval of loads with constant h) is cut off.
+        """
         h = self.layers.pop().h
         reached = min(1.0, (self.load - path.start) / path.rise)
         load = path.load_at(reached)
@@ -165,7 +179,8 @@ class Memory:
 
 
 class _Path(NamedTuple):
-    """A straight segment from the load `start`: P changes by `rise`, Q by `turn`.
+    """A straight segment of loading from P = `start`: the load P changes by `rise`, Q by `turn`.
+    Q is the tangential load.
 
     done: the fraction of the segment that is already followed.
     """
@@ -176,5 +191,5 @@ class _Path(NamedTuple):
     done: float
 
     def load_at(self, part: float) -> float:
-        """The load [N/m] at the fraction `part` of the path, from 0 to 1."""
+        """The normal load P [N/m] at the fraction `part` (0 to 1) of a segment of loading."""
         return self.start + part * self.rise

@@ -21,12 +21,12 @@ from contact.solution.report import (
 
 
 def heading(slip: Slip) -> str:
-    """One line: the model and the parts of the scene by name."""
+    """One line of text with the model of friction and the names of the parts of the scene."""
     return f"{slip.model}, {title(slip.solution.scene)}"
 
 
 def numbers(slip: Slip) -> Iterator[Row]:
-    """Name, value and bound of the error, as text, of each number of a slip."""
+    """(name, value, error bound) as text, for each result of a solution with friction."""
     solution, scene = slip.solution, slip.solution.scene
     yield "E*", quantity(scene.E_star, "Pa", 10), "given"
     given, errors = scene.given_load is not None, Errors(solution)
@@ -56,7 +56,9 @@ def numbers(slip: Slip) -> Iterator[Row]:
 
 
 def zone_columns(slip: Slip, most: int = 10) -> list[tuple[str, list[str]]]:
-    """Columns (header, cells) of what sticks and slips; of more than `most` zones, the widest."""
+    """Columns (header, cells) of the stick and slip zones.
+    If there are more than `most` zones, the widest are listed.
+    """
     rows = interval_table(slip)
     widest = np.argsort([-row[2] for row in rows], kind="stable")[:most]
     shown = [rows[k] for k in np.sort(widest).tolist()]
@@ -68,7 +70,9 @@ def zone_columns(slip: Slip, most: int = 10) -> list[tuple[str, list[str]]]:
 
 
 def report(slip: Slip, most: int = 10) -> str:
-    """The slip as text, at most 80 columns wide; of more than `most` zones, the widest."""
+    """The solution with friction as text, at most 80 columns wide.
+    If there are more than `most` stick and slip zones, the widest are listed.
+    """
     rows = zip(*numbers(slip), strict=True)
     parts = [*textwrap.wrap(heading(slip), 80), "", text_table(list(zip(HEADS, rows, strict=True)))]
     if columns := zone_columns(slip, most):

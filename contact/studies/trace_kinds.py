@@ -146,7 +146,7 @@ KINDS: dict[str, Callable[[Rng, int], Array]] = {
         staircase,
     )
 }
-# The docstring of `drawn` explains the kinds of positions.
+# How the sample positions of a trace are spaced; see the docstring of `drawn`.
 POSITIONS = ("even", "rounded", "uneven")
 
 

@@ -40,7 +40,7 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class SlidingOptions:
-    """Options of the search that raises kappa in steps; see `_along_kappa`."""
+    """Options of the search that raises kappa (the coefficient of p in the equation) in steps."""
 
     least_step: float = 1 / 64  # relative to `law.beta`; smaller steps never helped
 
@@ -49,13 +49,13 @@ OPTIONS = SlidingOptions()
 
 
 def found(context: SolveContext) -> Outcome:
-    """The contact of the context's scene, with its stated error; see `Routes.module`."""
+    """The contact of the scene of `context`, with its stated error."""
     return refined(context, _found(context), _found)
 
 
 @record
 class Start:
-    """A contact to begin from: its zones [m], tilt [rad] and load [N/m]."""
+    """A contact from which a search begins: its zones [m], tilt [rad] and load [N/m]."""
 
     zones: Array
     tilt: float | None
@@ -67,7 +67,7 @@ class Start:
 
     @classmethod
     def of_outcome(cls, found: Outcome) -> Start | None:
-        """The contact of an outcome; None for full contact."""
+        """Zones, tilt and load of an outcome, to begin another search; None for full contact."""
         if isinstance(found, Full):
             return None
         fields = found.fields
@@ -75,7 +75,7 @@ class Start:
 
 
 def _found(context: SolveContext) -> Outcome:
-    """The contact; first guess: a similar solution, or else the contact without friction."""
+    """The contact, started from a similar solution or else from the frictionless contact."""
     scene, similar = context.scene, context.warm_start
     if scene.given_fraction == 1.0:
         context.plan.decide("full contact", "full contact", "the contact fraction is 1")
@@ -103,7 +103,8 @@ def _found(context: SolveContext) -> Outcome:
 
 
 def _along_kappa(context: SolveContext, start: Start, failure: Failure) -> Outcome | Failure:
-    """The contact, with kappa raised from zero in steps that Newton's method follows.
+    """The contact, found by raising kappa in steps from zero.
+    kappa is the coefficient of p in the equation; Newton's method follows each step.
 
     failure: the failure of a single step to the whole kappa.
     """
@@ -125,7 +126,8 @@ def _along_kappa(context: SolveContext, start: Start, failure: Failure) -> Outco
 
 
 def _under_loads(context: SolveContext, first: float) -> Solution | None:
-    """A contact under a given load that has nearly the wanted approach or contact fraction.
+    """A contact under some load whose approach or contact fraction is close to the wanted one.
+    It is found by a search over loads.
 
     first: the load to begin with. A small contact may be merging with its neighbour, so that
     Newton's method does not converge from the contact without friction.
@@ -147,7 +149,9 @@ def _under_loads(context: SolveContext, first: float) -> Solution | None:
 
 
 def _from(context: SolveContext, start: Start) -> Outcome | Failure:
-    """The contact, found from the zones of a similar contact; else a Failure."""
+    """The contact, started from the zones of a similar contact.
+    The result is a Failure if the search fails.
+    """
     scene = context.scene
     if scene.turned and scene.moment is not None:
         scaled = scaled_scene_about(scene, start.tilt or 0.0, start.zones)
@@ -197,7 +201,9 @@ def _refusal(
 
 
 def _gaps_are_known(context: SolveContext, problem: Problem) -> bool:
-    """Whether the gaps can be the unknowns: the slope must be smooth in them."""
+    """Whether the slope of the gap may be the unknown.
+    For that, the slope must be smooth in each gap.
+    """
     reason, profile = why_not_gaps(context, problem), problem.profile
     if not reason and (len(profile.jumps) or (profile.kinks[:, 1] < 0).any()):
         reason = "with elastic mismatch the slope of a gap is not known where that of a body jumps"

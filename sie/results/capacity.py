@@ -18,12 +18,13 @@ from sie.slits.system import AnyState
 
 @dataclass(frozen=True)
 class CapacityOptions:
-    """Positions at which potentials are compared, and the largest difference."""
+    """Options of the check that the potential is the same on all zones."""
 
     # Positions on each zone, from -1 to 1, at which the potential must be the same.
     places: tuple[float, ...] = (-0.9, 0.0, 0.7)
-    # Largest difference of the potentials at `places`, as a multiple of the density's stated error.
-    # It is above 1, because a potential adds up the errors of several coefficients of the density.
+    # Largest allowed difference of the potentials at `places`, as a multiple of the density's
+    # stated error. It is above 1, because a potential adds up the errors of several coefficients of
+    # the density.
     margin: float = 100.0
 
 
@@ -31,7 +32,9 @@ OPTIONS = CapacityOptions()
 
 
 def unit_length(kernel: Kernel) -> float:
-    """The capacity of zones whose potential is zero; ValueError for a kernel without a capacity."""
+    """The capacity that zones have if their potential is zero.
+    Raises ValueError for a kernel without a capacity.
+    """
     if kernel == cauchy(kernel.datum):
         return kernel.datum
     if kernel.period is not None and kernel == hilbert(kernel.period):
@@ -43,7 +46,9 @@ def unit_length(kernel: Kernel) -> float:
 
 
 def capacity_of(state: AnyState, error: float) -> float:
-    """The logarithmic capacity of the zones of a solution with the given relative error."""
+    """The logarithmic capacity of all zones together.
+    `error` is the relative error of the solution.
+    """
     if state.equation.second_kind:
         raise ValueError("a capacity belongs to an equation with kappa = 0")
     density = state.density

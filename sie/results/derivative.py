@@ -50,21 +50,22 @@ from sie.states.state import State
 
 @dataclass(frozen=True)
 class DerivativeOptions:
-    """Limits of errors, and numbers of nodes for the change of the kernel."""
+    """Limits of errors, and numbers of nodes, for the derivative of a solution."""
 
-    # Largest size of the last coefficients of a user's function, relative to the function's largest
-    # coefficient. If the solution has its usual tolerance, the derivative then has at least half of
-    # the digits of a double.
+    # Largest relative size of the last series coefficients of a user's function, compared with its
+    # largest coefficient. If the solution has its usual tolerance, the derivative then has at least
+    # half of the digits of a double.
     max_tail: float = 1e-8
-    # The derivative of a solution with slits or graded coordinates is computed from a solution
-    # without them. `max_error` bounds the stated error of the solution without them.
+    # For a solution with slits (narrow gaps inside a wide zone) or graded coordinates, the
+    # derivative is computed from a solution of the same problem without either. `max_error` bounds
+    # the stated error of this other solution.
     max_error: float = 1e-8
-    # Least and largest number of nodes on a zone for the field of the kernel's change. The number
-    # is doubled until the field no longer changes.
+    # Least and largest number of nodes on a zone for the field of the density under the derivative
+    # of the kernel. The number is doubled until the field no longer changes.
     least_nodes: int = 64
     most_nodes: int = 4096
-    # The field counts as resolved if doubling the nodes changes it by at most this fraction of its
-    # size. The fraction is some hundred round-offs.
+    # The field of the kernel's change counts as resolved if doubling the nodes changes it by at
+    # most this fraction of its size. The fraction is some hundred round-offs.
     field_change: float = 1e-13
 
 
@@ -73,7 +74,7 @@ OPTIONS = DerivativeOptions()
 
 @dataclass(frozen=True, eq=False)
 class Derivative:
-    """The derivative of a solution by a parameter; `Solution.derivative` makes it.
+    """The derivative of a solution by a parameter. `Solution.derivative` makes it.
 
     Attributes
     ----------
@@ -111,7 +112,8 @@ class Derivative:
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """Checked derivatives of the data of a problem; `Change.of` makes them from a user's values.
+    """The derivatives of the data of a problem by the parameter, after checks.
+    `Change.of` makes them from a user's values.
 
     forcing: that of the right side, with the effect of the kernel's change; None: no change.
     values: those of the rows of all side conditions; of_ends: that of the condition on the ends.
@@ -158,7 +160,7 @@ class Change:
         return cls(forcing, rows, of_ends, moved, k)
 
     def held(self, zones: Zones) -> list[float]:
-        """Changes of the prescribed intensities at fixed bounded ends, left ends first."""
+        """Derivatives of the prescribed intensities at fixed bounded ends, left ends first."""
         return [
             float(self.intensities[side, zones.solved[p]])
             for side, places in enumerate(zones.fixed_bounded)
@@ -167,7 +169,7 @@ class Change:
 
 
 def table_of(name: str, given: ArrayLike | None, shape: tuple[int, int]) -> Array:
-    """The given numbers as an array of the given shape; zeros for None."""
+    """The numbers `given` as an array of this shape; zeros if `given` is None."""
     table = np.zeros(shape) if given is None else inputs.table_of(name, given)
     if table.shape != shape or not np.isfinite(table).all():
         raise ValueError(f"{name} must be finite numbers of shape {shape}, got {table.shape}")
@@ -177,7 +179,7 @@ def table_of(name: str, given: ArrayLike | None, shape: tuple[int, int]) -> Arra
 def _values(
     equation: Equation, zones: Zones, given: Sequence[ArrayLike] | ArrayLike | None
 ) -> tuple[Array, float]:
-    """(changes of the rows of all side conditions, change of the condition on the ends)."""
+    """Derivatives of right sides: (of all side conditions, of the condition on the ends)."""
     names = (*equation.conditions, *equation.end_conditions)
     values = [0.0] * len(names) if given is None else _several(given)
     if len(values) != len(names):
@@ -210,7 +212,9 @@ def _forcing(dg: Forcing | Function | None) -> Forcing | None:
 
 
 def _with_kernel(forcing: Forcing | None, added: Forcing) -> Forcing:
-    """The change of the right side minus the field that the change of the kernel causes."""
+    """The derivative of the right side minus the field of the kernel's derivative.
+    This field acts on the equation like a right side.
+    """
     if forcing is None:
         return Forcing(_Minus(None, added.value), added.primitive and _Minus(None, added.primitive))
     primitive = None
@@ -221,7 +225,7 @@ def _with_kernel(forcing: Forcing | None, added: Forcing) -> Forcing:
 
 @dataclass(frozen=True)
 class _Minus:
-    """The function first - second, or minus the second if there is no first."""
+    """The function first - second; it is -second if `first` is None."""
 
     first: Function | None
     second: Function
@@ -233,7 +237,7 @@ class _Minus:
 
 @dataclass(frozen=True, eq=False)
 class _KernelField:
-    """Transform or potential of a density with a smooth kernel, at points of any shape."""
+    """The field (transform or potential) of a density under a smooth kernel, as a function of x."""
 
     density: Density
     regular: Regular
@@ -243,7 +247,8 @@ class _KernelField:
 
 
 def _kernel_field(density: Density, dkernel: Smooth | Regular) -> Forcing:
-    """Transform and potential of `density` with the kernel `dkernel` alone, as a `Forcing`.
+    """Field of `density` under the kernel `dkernel` alone, as a `Forcing`.
+    The field has a transform and a potential.
 
     The number of nodes on each zone is doubled until the transform no longer changes.
     """
@@ -271,7 +276,8 @@ def _kernel_field(density: Density, dkernel: Smooth | Regular) -> Forcing:
 
 
 def without_slits(state: AnyState, value: float | None, factors: bool = False) -> State:
-    """The solution on the same zones without slits, from which derivatives follow.
+    """The solution on the same zones, but without slits (narrow gaps inside a wide zone).
+    Derivatives are computed from it.
 
     factors: whether it must have LU factors; then an iterated solution is computed again.
     """
@@ -295,7 +301,7 @@ def without_slits(state: AnyState, value: float | None, factors: bool = False) -
 
 
 def known_parts(system: System | GradedSystem | SecondKindRows, view: Rows, size: int) -> Array:
-    """The parts of all side conditions of a system that do not depend on the unknowns (rows,).
+    """Constant parts (rows,) of all side conditions of a system, without the unknowns' terms.
 
     view: the quantities that conditions use, with matrices of `size` columns.
     """
@@ -307,7 +313,8 @@ def known_parts(system: System | GradedSystem | SecondKindRows, view: Rows, size
 
 
 def end_rates_of(density: AnyDensity, lack: Array) -> Array:
-    """Outward motions (2, Z) of the free ends that change the intensity there from 0 to `lack`.
+    """Outward motions (2, Z) of the free ends that raise the intensity of the density to `lack`.
+    Before the motion, the intensity at these ends is 0.
 
     density: the solution, whose edge slopes count.
     """
@@ -346,7 +353,7 @@ def with_open_value(
 
 
 class Linearized:
-    """The equations for the derivative of one solution."""
+    """The linear equations for the derivative of one solution by a parameter."""
 
     def __init__(self, state: State, change: Change) -> None:
         self.state, self.change = state, change
@@ -358,7 +365,9 @@ class Linearized:
         self.right = self._right()
 
     def _changed_system(self, forcing: Forcing) -> System:
-        """The system whose right side is `forcing`, the derivative of the solution's right side."""
+        """The linear system for the derivative.
+        Its right side is `forcing`, the derivative of the solution's right side.
+        """
         zones, system = self.zones, self.system
         equation = replace(system.equation, forcing=forcing)
         check_functions(equation, zones)
@@ -377,7 +386,9 @@ class Linearized:
         return kind(equation, zones, system.layout.m, samples.coefficients, jumps)
 
     def _right(self) -> Array:
-        """Right sides of all rows of the derivative, without the effect of moving ends."""
+        """Right sides of all rows of the equations for the derivative.
+        The effect of moving ends is not included.
+        """
         state, zones = self.state, self.zones
         out = np.zeros(state.solver.size)
         rows = np.concatenate((self.change.values, self.change.held(zones)))
@@ -389,7 +400,7 @@ class Linearized:
         return out
 
     def _constants(self, system: System) -> tuple[Array, Array]:
-        """(right sides of the equation, known parts of the side conditions) of a system."""
+        """(right sides of the equation, constant parts of the side conditions) of a system."""
         view: Rows = system
         size, none = system.layout.size, np.zeros(len(self.zones.solved))
         if isinstance(system, IterativeSystem):
@@ -400,7 +411,7 @@ class Linearized:
         return equation_right, known_parts(system, view, size)
 
     def unknowns(self, right: Array, outward: Array) -> Array:
-        """The unknowns for a right side and motions `outward` (2, Z) of ends with given K."""
+        """The unknowns for a right side, if the ends move outward by `outward` (2, Z)."""
         state = self.state
         if outward.any():
             moved = Moved.of(state, outward[:, :, None])
@@ -414,12 +425,14 @@ class Linearized:
         return state.symmetry.unfold(folded)
 
     def density(self, y: Array) -> Density:
-        """The density's derivative without its singular terms, from its unknowns `y`."""
+        """The derivative of the density without its singular terms at moving ends.
+        `y` are the unknowns of the equations for the derivative.
+        """
         changed = self.changed
         return self.state.homogeneous(y) if changed is None else density_of(changed, y)
 
     def intensities(self, y: Array, outward: Array) -> Array:
-        """Derivatives of the intensities (2, Z).
+        """Derivatives (2, Z) of the intensities of the density at the zone ends by the parameter.
 
         y: the unknowns of the density's derivative. outward: outward motions of all ends (2, Z).
         """
@@ -428,7 +441,7 @@ class Linearized:
         return np.array(intensities_of(alpha, beta, self.zones.half)) + own
 
     def answer(self, right: Array) -> tuple[Array, Array]:
-        """(unknowns, outward motions of all ends) for given right sides of the rows."""
+        """(unknowns, outward motions of all ends) of the derivative, for given right sides."""
         zones, outward = self.zones, self.change.outward
         y = self.unknowns(right, outward)
         if not zones.moves.any():
@@ -456,8 +469,8 @@ class Linearized:
         zones, plain = self.zones, self.density(y)
         k, asked_k = self.intensities(y, outward), self.change.intensities
         k = np.where(np.isnan(zones.intensities), k, asked_k)
-        # If a bounded end does not move and its intensity stays zero, the derivative is bounded
-        # there, too. The computed intensity of the derivative is then only round-off.
+        # If a bounded end does not move and its intensity stays zero, the derivative of the density
+        # is also bounded at this end. Its computed intensity there is then only round-off.
         rests = zones.bounded & (outward == 0.0) & (asked_k == 0.0)
         alpha, beta = chebyshev.edge_part(plain.coefficients)
         edges = np.where(rests, 0.0, [alpha - beta, alpha + beta])

@@ -15,14 +15,14 @@ class FigureOptions:
 
     # Number of points of each zone. Twice as many points change no pixel of a figure of `size`.
     points: int = 400
-    # Largest number of points of all zones together. With many zones, each has fewer points.
+    # Largest number of points of all zones together. With many zones, each zone gets fewer points.
     max_points: int = 100_000
     # Least number of points of a zone. With this number a semicircle still looks round.
     least_points: int = 12
-    # Fraction of each half width, about the middle of the zone, whose values set the range of the
-    # ordinate. It leaves out the infinite values at singular ends.
+    # Fraction of each half width, about the middle of the zone, in which the values set the range
+    # of the ordinate. It leaves out the infinite values at singular ends.
     shown: float = 0.98
-    # Width and height in inches.
+    # Width and height of the figure in inches.
     size: tuple[float, float] = (5.2, 3.6)
 
 

@@ -29,7 +29,8 @@ from sie.states.state import State
 
 @dataclass(frozen=True, eq=False)
 class Functional:
-    """J = int weight(x) phi dx + sum intensities * K + sum ends * (positions of the ends).
+    """A linear functional J = int weight(x) phi dx + sum intensities * K + sum ends * positions.
+    It depends on the density phi, on its intensities K, and on the positions of the ends.
 
     phi: density; K: intensities of phi at singular ends.
     """
@@ -56,7 +57,9 @@ class Functional:
         return cls(weight, of_k, table_of("ends", ends, (len(zones), 2)))
 
     def of_density(self, linearized: Linearized) -> float:
-        """The part of J, or of its derivative, that known coefficients of the density cause."""
+        """The part of J, or of its derivative, due to known coefficients of the density.
+        J is the functional.
+        """
         system = linearized.system if linearized.changed is None else linearized.changed
         out = float((self.intensities * np.array(system.intensities_of(system.beyond))).sum())
         return out if self.weight is None else out + float(system.integrals(self.weight)[1].sum())
@@ -77,7 +80,8 @@ class _Adjoint:
 
 @dataclass(frozen=True, eq=False)
 class Gradient:
-    """The derivatives of a functional by all data of a problem; `Solution.gradient` makes it.
+    """The derivatives of a functional of the solution by all data of a problem.
+    `Solution.gradient` makes it.
 
     Calling it with a change of the right side, or of the kernel as second argument, returns the
     derivative of the functional by it.
@@ -114,7 +118,7 @@ class Gradient:
     def __call__(
         self, dg: Forcing | Function | None = None, dkernel: Smooth | Regular | None = None
     ) -> float:
-        """Derivative of the functional if the right side changes by dg, the kernel by dkernel."""
+        """Derivative of the functional for changes dg of the right side, dkernel of the kernel."""
         state, adjoint = self._state, self._adjoint
         with np.errstate(all="ignore"):
             changed = Linearized(state, Change.of(state, dg, dkernel=dkernel))
@@ -128,7 +132,9 @@ class Gradient:
 
 
 class Adjoint:
-    """The transposes of the linear maps in the derivative of one solution."""
+    """The transposes of the linear maps that give the derivative of one solution.
+    With them one solve gives the derivatives of a functional by all data.
+    """
 
     def __init__(self, state: State) -> None:
         self.state, self.zones, self.free = state, state.density.zones, FreeEnds(state)
@@ -149,7 +155,8 @@ class Adjoint:
             raise SingularSystem("the ends are not determined")
 
     def back(self, q: Array, s: Array, e: Array) -> _Adjoint:
-        """Derivatives of q y + s d + e m, with s and e of shape (2, Z), by the data of the problem.
+        """Derivatives of q y + s d + e m, a linear function of the solution, by the data.
+        s and e have the shape (2, Z).
 
         y are the unknowns. d are the motions of the ends that cause singular densities. m are the
         motions of all ends.
@@ -168,7 +175,7 @@ class Adjoint:
         return _Adjoint(rows, outward.reshape(s.shape), lack)
 
     def of(self, functional: Functional) -> tuple[_Adjoint, float]:
-        """(derivatives of a functional by the data, and by the end condition's value)."""
+        """(derivatives of a functional by the data, derivative by the end condition's value)."""
         state, zones = self.state, self.zones
         q = np.einsum("ab,abn->n", functional.intensities, self.intensities)
         s = functional.intensities.ravel() @ self.own

@@ -30,7 +30,8 @@ from sie.density.series import regular_at
 
 @dataclass(frozen=True, eq=False)
 class MovedDensity(DensityBase):
-    """Derivative of a density, with terms distance^(-3/2) at ends that move.
+    """Derivative of a density by a parameter that moves ends.
+    At ends that move it has terms distance^(-3/2).
 
     It is called like a `Density`, and has its `transform`, `transform_slope` and `potential`. The
     derivative of the transform at a fixed point off the zones is the transform of this object.
@@ -72,17 +73,17 @@ class MovedDensity(DensityBase):
 
     @property
     def amplitudes(self) -> Array:
-        """Derivatives of the unknown amplitudes by the parameter."""
+        """Derivatives by the parameter of the unknown amplitudes of the columns."""
         return self.smooth.amplitudes
 
     @property
     def totals(self) -> Array:
-        """Derivatives of the zones' totals (Z,)."""
+        """Derivatives (Z,) by the parameter of the integrals of the density over each zone."""
         return self.smooth.totals
 
     @property
     def total(self) -> float:
-        """Derivative of the integral of the density over all zones."""
+        """Derivative by the parameter of the integral of the density over all zones."""
         return self.smooth.total
 
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
@@ -97,7 +98,7 @@ class MovedDensity(DensityBase):
 
     @cached_property
     def _moving(self) -> NDArray[np.intp]:
-        """Indices of the zones with singular terms."""
+        """Indices of the zones with singular terms, which have an end that moves."""
         return np.flatnonzero(self.strength.any(axis=0))
 
     def _on_line(self, x: Array, potential: bool) -> Array:
@@ -134,7 +135,7 @@ class MovedDensity(DensityBase):
         return out
 
     def _singular_field(self, z: Complex, what: What) -> Complex:
-        """Field of the singular terms at complex points z (n,)."""
+        """Field at complex points z (n,) of the singular terms, distance^(-3/2), at moving ends."""
         zones, x, y = self.zones, self.into_period(z.real), np.abs(z.imag)
         out = np.zeros(len(x), dtype=complex)
         for shift in self.kernel.poles:

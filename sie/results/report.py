@@ -12,7 +12,7 @@ from sie.slits.system import AnyState
 
 @dataclass(frozen=True)
 class ReportOptions:
-    """Limit of the length of a report."""
+    """Limit of the number of rows in a printed report."""
 
     # Largest number of zones in the table, so that it fits on a screen.
     max_rows: int = 24
@@ -23,7 +23,8 @@ OPTIONS = ReportOptions()
 
 @dataclass(frozen=True, eq=False)
 class Report:
-    """Resolution of a solution on each zone; `print` shows it as a table.
+    """Numbers of modes, errors and intensities of a solution on each zone.
+    `print` shows them as a table.
 
     If there are many zones, the table shows those with the largest errors.
 
@@ -83,7 +84,9 @@ class Report:
 
     @classmethod
     def of(cls, state: AnyState, error: float, errors: Array, steps: int | None) -> "Report":
-        """The report of a state found in `steps` Newton steps of the ends, with its errors."""
+        """The report of a solution that was found in `steps` Newton steps of the ends.
+        `error` and `errors` are its error bounds.
+        """
         density = state.density
         whole, zone = state.wide_of(np.arange(len(density.zones)))
         solver = whole.direct

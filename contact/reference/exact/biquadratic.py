@@ -95,7 +95,7 @@ class IsolatedBiquadratic(PressedBody):
 
     @classmethod
     def from_inner_end(cls, inner_end: float, **shape: float) -> "IsolatedBiquadratic":
-        """The solution with two zones that begin at |x| = `inner_end`."""
+        """The contact with two zones whose inner ends lie at |x| = `inner_end`."""
         c = 0.5 * shape["spacing"]
         h = (c - inner_end) * (c + inner_end)
         if not (h > 0.0 and inner_end > 0.0):
@@ -127,7 +127,7 @@ class IsolatedBiquadratic(PressedBody):
 
     @property
     def outer_end(self) -> float:
-        """Outer end b of the zones [m]."""
+        """Outer end b [m] of the zones a <= |x| <= b."""
         if not self.merged:
             return sqrt(self._c**2 + self._h)
         # With two zones merged into one, the load P and the outer end b satisfy
@@ -136,18 +136,18 @@ class IsolatedBiquadratic(PressedBody):
 
     @property
     def inner_end(self) -> float:
-        """Inner end a of the zones [m]; 0 once the zones have merged."""
+        """Inner end a [m] of the zones a <= |x| <= b; 0 once the two zones have merged into one."""
         return 0.0 if self.merged else sqrt(self._c**2 - self._h)
 
     @property
     def zones(self) -> Array:
-        """Ends of the zones [m], (2, 2), or (1, 2) once the zones have merged."""
+        """Table of the ends of the zones [m]: (2, 2), or (1, 2) once the two zones have merged."""
         a, b = self.inner_end, self.outer_end
         return np.array([[-b, b]]) if self.merged else np.array([[-b, -a], [a, b]])
 
     @property
     def max_pressure(self) -> float:
-        """Largest pressure [Pa].
+        """Largest pressure [Pa] of the zone or the two zones.
 
         It is at x^2 = (3b^2 + 2c^2)/6 if there is one zone. For two zones it is at
         x^2 - c^2 = h^2/(c^2 + sqrt(c^4 + 3h^2)), h = (b^2 - a^2)/2.
@@ -158,12 +158,12 @@ class IsolatedBiquadratic(PressedBody):
         return float(self.pressure(sqrt(y)))
 
     def height(self, x: ArrayLike) -> Array:
-        """Profile f(x) [m], 0 at the two tips."""
+        """Height f(x) [m] of the profile; it is 0 at the two tips."""
         x = np.asarray(x, dtype=float)
         return self._unit * ((x - self._c) * (x + self._c)) ** 2
 
     def slope(self, x: ArrayLike) -> Array:
-        """Slope f'(x) of the profile."""
+        """Slope f'(x) of the profile f = (x^2 - c^2)^2/8Rc^2."""
         x = np.asarray(x, dtype=float)
         return 4.0 * self._unit * x * (x - self._c) * (x + self._c)
 
@@ -176,21 +176,23 @@ class IsolatedBiquadratic(PressedBody):
         return 2.0 * self.E_star * self._unit * r * np.sqrt(product)
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at normalised positions t in [-1, 1] of a zone, accurate up to its ends."""
+        """Pressure [Pa] at the position t of a zone, from -1 at its left to 1 at its right end.
+        It is accurate up to the ends.
+        """
         check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         b = self.outer_end
         if self.merged:
             return self._pressure(b * np.abs(t), t, b * (1.0 - np.abs(t)))
         outward = t if zone == 1 else -t
-        # The half width (b - a)/2 is computed as h/(b + a). In narrow zones the difference b - a
-        # loses digits.
+        # The half width (b - a)/2 of a zone is computed as h/(b + a), with h = (b^2 - a^2)/2. In
+        # narrow zones the difference b - a would lose digits.
         half = self._h / (b + self.inner_end)
         inner = half * (1.0 + outward)
         return self._pressure(self.inner_end + inner, inner, half * (1.0 - outward))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) [Pa], 0 outside the zones."""
+        """Contact pressure p(x) [Pa]; 0 outside the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         a, b = self.inner_end, self.outer_end
         inside = (r < b) & ((r > a) | self.merged)
@@ -198,7 +200,7 @@ class IsolatedBiquadratic(PressedBody):
         return np.where(inside, self._pressure(r, r - a, b - r), 0.0)
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap [m], displacement + profile - approach; 0 in the zones."""
+        """Gap [m] between the surfaces: displacement + profile - approach; 0 in the zones."""
         r = np.abs(np.asarray(x, dtype=float))
         a, b, h = self.inner_end, self.outer_end, self._h
         e = np.maximum(r - b, 0.0)
@@ -212,7 +214,7 @@ class IsolatedBiquadratic(PressedBody):
 
     @property
     def punch_compliance(self) -> float | None:
-        """Compliance d approach/d load at fixed zones [m^2/N]; None without a datum.
+        """Compliance d approach/d load for fixed ends of the zones [m^2/N]; None without a datum.
 
         It is (1/pi E*) ln(2d^2/h) for two zones, with h = (b^2 - a^2)/2, and (2/pi E*) ln(2d/b) for
         one.
@@ -224,7 +226,7 @@ class IsolatedBiquadratic(PressedBody):
     def _approach_by_parts(self) -> float:
         if not self.merged:
             return 0.5 * self._unit * self._h**2
-        # The result is (2/pi E*) int_0^b P(s) ds/s + f(0). The formula for the load P(s) of one
-        # zone of half width s is used down to s = 0.
+        # The value returned is (2/pi E*) int_0^b P(s) ds/s + f(0), where P(s) is the load of one
+        # zone of half width s. The formula for P(s) is used down to s = 0.
         b, c = self.outer_end, self._c
         return self._unit * (b * b * (3.0 * b * b - 8.0 * c * c) / 8.0 + c**4)

@@ -50,13 +50,15 @@ from contact.reference.exact.numerics import (
 
 
 class _DugdaleState(AdhesiveZone):
-    """Base class of the equilibria of one zone with a uniform tension next to the zone."""
+    """Base class of the equilibria of one contact zone with a uniform tension next to it."""
 
     stress: float
     cohesive_end: float
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) [Pa]: -stress on the cohesive intervals, 0 outside of them."""
+        """Pressure p(x) [Pa].
+        It is -stress where the tension acts (half width < |x| < `cohesive_end`), and 0 farther out.
+        """
         r = np.abs(self._reduced(x))
         cohesive = (r >= self.half_width) & (r < self.cohesive_end)
         return np.where(cohesive, -self.stress, super().pressure(x))
@@ -132,13 +134,13 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def share(self) -> float:
-        """The length B: the tension s contributes -2 s B to the load (head of this module)."""
+        """The length B in the load P = P_0 - 2 s B, where the tension s contributes -2 s B."""
         if self.period is None:
             return self.root
         return self._sine_unit * atan2(self.root, float(cosine(self.cohesive_end, self.period)))
 
     def opening_rate(self, e: Array, f: Array) -> Array:
-        """Slope, at x = a + e, of the gap that the tension s adds; divided by 4s/(pi E*).
+        """Slope at x = a + e of the gap that the tension s adds, divided by 4s/(pi E*).
 
         It is artanh(X), or artanh(1/X) if X > 1. X is sqrt((x^2 - a^2)/(c^2 - a^2)) for an isolated
         zone, with the zone's end a, the end c of the tension and the point x. The arguments are the
@@ -157,12 +159,14 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def end_gap(self) -> float:
-        """The gap at the end c of the cohesive interval [m]."""
+        """The gap [m] at the end c of the tension, which acts on a < |x| < c."""
         return float(self._gap(np.array(self.cohesive_end - self.half_width)))
 
     @property
     def work(self) -> float:  # type: ignore[override]
-        """The work of adhesion of this equilibrium [J/m^2]."""
+        """The work of adhesion of this equilibrium [J/m^2]: stress times the gap where tension
+        ends.
+        """
         return self.stress * self.end_gap
 
     def _pressure(self, r: Array, d: Array) -> Array:
@@ -183,7 +187,7 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def _unit(self) -> float:
-        """The factor 4s/(pi E*) of the gap that the tension s adds."""
+        """The factor 4s/(pi E*) in the formula for the gap that the tension s adds."""
         return 4.0 * self.stress / (pi * self.E_star)
 
     @property
@@ -201,7 +205,8 @@ class DugdaleZone(_DugdaleState):
         return float(self.zone.load_rate(np.array(a))) + 2.0 * self.stress * share_rate
 
     def _compliance_at(self, q: Array) -> Array:
-        """Compliance of a flat punch whose half width is such that `share` would equal q.
+        """Compliance of the flat punch for which the length B (the property `share`) equals q.
+        The half width of this punch lies between a and c.
 
         The end c of the tension is fixed. The half width is sqrt(c^2 - q^2) for an isolated zone,
         and S L/pi with cos S = cos(pi c/L)/cos(pi q/L) with a period.
@@ -227,6 +232,7 @@ class DugdaleZone(_DugdaleState):
     @property
     def surface_energy(self) -> float:
         """Energy of the interface [J/m]: 2 stress int_a^c gap dx - 2 c work.
+        The tension acts on a < |x| < c.
 
         The tension acts from the zone's end a to c.
         """
@@ -241,7 +247,7 @@ class DugdaleZone(_DugdaleState):
         return 2.0 * (self.stress * area - self.cohesive_end * self.work)
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives of load and approach by the end c of the tension, along the equilibria.
+        """Derivatives of (load, approach) by the end c of the tension, along the equilibria.
 
         The rate of the approach is nan without a datum.
         """
@@ -253,8 +259,9 @@ class DugdaleZone(_DugdaleState):
         share_rate = float(sine(c, length)) / self.root
         opening = self._unit * (arcosh * share_rate - log_ratio)
         gap_rate = float(self.zone._gap_slope(np.array(c - a))) + opening
-        # The gap g at c stays equal to work/stress, so dg/dc + (dg/da)(da/dc) = 0. With
-        # dg/da = -(2/pi E*) `arcosh` (dP/da) this gives the change (dP/da)(da/dc) of the load P.
+        # Along the equilibria the gap g at c stays equal to work/stress, so dg/dc + (dg/da)(da/dc)
+        # = 0. With dg/da = -(2/pi E*) `arcosh` (dP/da) this gives (dP/da)(da/dc), the part of the
+        # change of the load P that is due to a.
         load = 0.5 * pi * self.E_star * gap_rate / arcosh - 2.0 * self.stress * share_rate
         return load, self._approach_rate(load, self._unit * arcosh)
 
@@ -323,7 +330,9 @@ class MetDugdaleZone(_DugdaleState):
 
     @property
     def cohesive_end(self) -> float:  # type: ignore[override]
-        """End of the cohesive intervals, which is L/2 here [m]."""
+        """End of the cohesive intervals (where the tension acts) [m].
+        Here it is L/2, the middle of the gap.
+        """
         return 0.5 * self._length()
 
     @property
@@ -346,13 +355,13 @@ class MetDugdaleZone(_DugdaleState):
         return (self.stress * mean_gap - self.work) * self._length()
 
     def rates(self) -> tuple[float, float]:
-        """Derivatives of load and approach by the half width a, along the equilibria."""
+        """Derivatives of (load, approach) by the half width a of the zone, along the equilibria."""
         load = float(self.zone.load_rate(np.array(self.half_width)))
         return load, self._approach_rate(load, 0.0)
 
 
 class _DugdaleEquilibria(Equilibria[_DugdaleState]):
-    """The curve of equilibria, with the end c of the cohesive intervals as parameter.
+    """The curve of equilibria, whose parameter is the end c of the tension (on a < |x| < c).
 
     Once the intervals meet at L/2, the parameter is L/2 plus the growth of the half width since
     then.
@@ -362,7 +371,7 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
 
     @property
     def end_gap(self) -> float:
-        """Largest gap with tension, work divided by stress [m]."""
+        """Largest gap [m] at which the tension acts: work of adhesion divided by stress."""
         return self.work / self.stress
 
     def _half_width(self, c: float) -> float:
@@ -377,12 +386,13 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         return _root_below(c, excess)
 
     def at(self, parameter: float) -> _DugdaleState:
-        """The equilibrium whose cohesive intervals end at c = `parameter`."""
+        """The equilibrium whose tension ends at c = `parameter`; it acts on a < |x| < c."""
         return DugdaleZone(self._frictionless(self._half_width(parameter)), self.stress, parameter)
 
     def _carrying(self, load: float, parameter: float) -> _DugdaleState:
-        # If the cohesive intervals are wide, the gap at the end c hardly depends on the half width
-        # a. So a is inaccurate. One Newton step in a corrects the load.
+        # If the interval a < |x| < c of the tension is wide, the gap at c hardly depends on the
+        # half width a. So the a that was found from this gap is inaccurate. One Newton step in a
+        # corrects the load.
         found = self.at(parameter)
         if not isinstance(found, DugdaleZone):
             return found
@@ -465,7 +475,8 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 
     @property
     def least_cohesive_end(self) -> float:
-        """End c of the cohesive intervals at the beginning of contact, where the half width a is 0.
+        """End c of the tension at the beginning of contact, where the half width a of the zone is
+        0.
 
         It is the root of c^2/2R + (4s/pi E*) c ln 2 = w/s.
         """
@@ -557,7 +568,8 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
     @cached_property
     def meeting_half_width(self) -> float:
-        """Half width at which the cohesive intervals meet at half the period.
+        """Half width of the zone at which the tension first acts on the whole gap.
+        The cohesive intervals (where it acts) then meet in the middle of the gap.
 
         The frictionless gap is work/stress there. The result is 0 if this gap is less than
         work/stress for all half widths.
@@ -580,7 +592,7 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
     @cached_property
     def least_cohesive_end(self) -> float:
-        """End of the cohesive intervals in the state in which the bodies first touch.
+        """End c of the tension in the state in which the bodies first touch.
 
         It is half the period if the intervals meet in all states.
         """
@@ -593,7 +605,9 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         return root(lambda c: self.touching_gap(c) - self.end_gap, shares[i], shares[i - 1])
 
     def at(self, parameter: float) -> _DugdaleState:
-        """The equilibrium whose cohesive intervals end at `parameter`.
+        """The equilibrium with this `parameter`, the end c of the tension up to half a period.
+        Above half a period the tension acts on the whole gap, and the parameter grows with the half
+        width.
 
         Above half the period, the excess of `parameter` is the growth of the half width.
         """
@@ -611,7 +625,8 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
 
 def _root_below(most: float, function: Callable[[float], float]) -> float:
-    """Root a, 0 < a < `most`, of a decreasing function; accurate near 0 and near `most`.
+    """Root a, 0 < a < `most`, of a decreasing function.
+    It is accurate even if a is close to 0 or to `most`.
 
     The unknown of the search is ln(a/(most - a)). Its range -34 to 32 reaches from
     a = 1e-15 most to most - a = 1e-14 most.

@@ -31,7 +31,7 @@ SELF_CONSISTENT = "self-consistent"
 def correction_pressure(
     x: ArrayLike, half_width: float, period: float, nominal_load: float
 ) -> Array:
-    """Pressure that the neighbouring zones add to the isolated solution.
+    """Pressure p(x) [Pa] that the contact in all other periods adds to the isolated solution.
 
     It is (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)) with the nominal load P_s, the
     period L and the half width a: the second term of (17) in I. G. Goryacheva & I. Tsukanov,
@@ -68,7 +68,7 @@ def correction_pressure(
 
 
 def correction_load(half_width: float, period: float, nominal_load: float) -> float:
-    """Load that the neighbouring zones add to the isolated solution [N/m].
+    """Load [N/m] that the contact in all other periods adds to the isolated solution.
 
     It is P_s (L - sqrt(L^2 - 4a^2))/L with the nominal load P_s, the period L and the half width a:
     the second term of (16) in the following paper.
@@ -102,7 +102,7 @@ def correction_load(half_width: float, period: float, nominal_load: float) -> fl
 
 
 def _root(a: float, period: float) -> float:
-    """The root sqrt(L^2 - 4a^2) for a half width a and a period L."""
+    """The value of sqrt(L^2 - 4a^2) for the half width a of a zone and the period L."""
     return sqrt((period - 2.0 * a) * (period + 2.0 * a))
 
 
@@ -113,7 +113,8 @@ def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float
 
 @dataclass(frozen=True)
 class LocalizedZone(SymmetricZone):
-    """One zone under the localized model: an isolated solution, corrected for the other periods.
+    """One zone under the localized model: an isolated solution plus a correction.
+    The correction replaces the contact in all other periods by a nominal pressure.
 
     P0 is the load of the isolated solution. With the closure `first-order` (the paper's examples
     (23), (27), (30)) P_s = P0 and P = P0 (2 - sqrt(L^2 - 4a^2)/L). With `self-consistent` (equation
@@ -180,14 +181,14 @@ class LocalizedZone(SymmetricZone):
 
     half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
     E_star = property(lambda self: self.isolated.E_star)  # type: ignore[assignment]
-    # The nominal pressure outside the zone's own period does not fix the constant of the
-    # displacement. Therefore there is no approach.
+    # The nominal pressure acts outside one period, and it does not fix the constant of the
+    # displacement. Therefore the approach and the stiffness are not defined.
     approach = property(lambda self: None)
     stiffness = property(lambda self: None)
 
     @property
     def nominal_load(self) -> float:
-        """The nominal pressure outside the zone's own period, times the period [N/m]."""
+        """Nominal load [N/m]: the nominal pressure outside one period, times the period."""
         return self.isolated.load if self.closure == FIRST_ORDER else self.load
 
     @property
@@ -195,7 +196,7 @@ class LocalizedZone(SymmetricZone):
         return _load(self.isolated, self.period, self.closure)
 
     def load_rate(self, s: Array) -> Array:
-        """Derivative dP/ds of the load P by the half width s, at a fixed nominal load."""
+        """Derivative dP/ds of the load P of a zone by its half width s, at a fixed nominal load."""
         s = np.asarray(s)
         z = 2.0 * s / self.period
         # The half width s may be rounded to L/2, where the rate dP/ds is infinite. A lower bound of

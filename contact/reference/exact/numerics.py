@@ -14,7 +14,8 @@ Array = NDArray[np.float64]
 
 
 def _tanh_sinh() -> tuple[Array, Array, Array]:
-    """Double-exponential rule on (0, 1): distances from 0 and from 1, and weights.
+    """Nodes and weights of the double-exponential rule on (0, 1).
+    Each node is given by its distances from 0 and from 1.
 
     It is exact to round-off for end singularities milder than 1/sqrt (Takahasi & Mori 1974).
     """
@@ -29,7 +30,9 @@ FROM_LEFT, FROM_RIGHT, WEIGHT = _tanh_sinh()
 
 
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
-    """Integral from 0 to `length`; the function takes the distances from both ends.
+    """Integral of a function from 0 to `length`.
+    The arguments of the function are the distances from both ends, so that it stays accurate next
+    to them.
 
     `length` may be an array; the integral has its shape.
     """
@@ -54,7 +57,9 @@ def roots(function: Callable[[float], float], samples: Array) -> list[float]:
 
 
 def least_value(function: Callable[[Array], Array], low: float, high: float, samples: int) -> float:
-    """The smallest value of a smooth function, by finer and finer samples around the minimum."""
+    """The smallest value of a smooth function between `low` and `high`.
+    It is found by finer and finer samples around the smallest sample.
+    """
     x = np.linspace(low, high, samples)
     y = function(x)
     best, half = float(x[np.argmin(y)]), float(x[1] - x[0])
@@ -91,20 +96,21 @@ def zone_potential(z_minus_1: ArrayLike) -> Array:
 
 
 def sine(x: ArrayLike, period: float | None) -> Array:
-    """sin(pi x/L) with the period L; x if the period is None."""
+    """Value of sin(pi x/L) for the period L; the value x if the period is None."""
     x = np.asarray(x, dtype=np.float64)
     return x if period is None else np.asarray(np.sin(pi / period * x))
 
 
 def cosine(x: ArrayLike, period: float | None, inward: Array | float = 0.0) -> Array:
-    """cos(pi (x - inward)/L) with the period L, without cancellation near L/2; 1 if L is None."""
+    """Value of cos(pi (x - inward)/L) without cancellation near L/2; 1 if the period L is None."""
     if period is None:
         return np.ones(np.shape(inward))
     return sine(0.5 * period - np.asarray(x) + inward, period)
 
 
 def sine_excess(x: ArrayLike, e: ArrayLike, period: float | None) -> Array:
-    """sin(pi (x + e)/L)/sin(pi x/L) - 1, accurate for small e; e/x if the period L is None.
+    """Value of sin(pi (x + e)/L)/sin(pi x/L) - 1, accurate for small e.
+    If the period L is None, it is e/x.
 
     The arguments satisfy e >= 0 and x + e <= L/2.
     """

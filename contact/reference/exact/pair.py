@@ -27,8 +27,9 @@ from contact.model.checks import keep, positive
 from contact.reference.exact.base import check_number
 from contact.reference.exact.numerics import Array, least_value, root
 
-# A function G(y, m, h) = f'/v of the variable y = v^2 (head of this module). The zone in y has the
-# middle m and the half width h.
+# Type of the function G(y, m, h) = f'/v, the profile's slope divided by v, as a function of y =
+# v^2. Here v is x or, with a period L, tan(pi x/L). The zone in y has the middle m and the half
+# width h.
 Ratio = Callable[[Array, float, float], Array]
 
 
@@ -37,19 +38,20 @@ class Pair:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Inner end a and outer end b of the zones [m]."""
+        """(inner end a, outer end b) [m] of the two zones a <= |x| <= b."""
         raise NotImplementedError
 
     @property
     def zones(self) -> Array:
-        """Ends of the two zones [m], (2, 2)."""
+        """Table (2, 2) of the ends [m] of the two zones, from left to right."""
         a, b = self.ends
         return np.array([[-b, -a], [a, b]])
 
 
 @dataclass(frozen=True, eq=False)
 class EvenPair(Pair):
-    """Two zones a <= |x| <= b under an even pressure, solved as one zone in a variable y.
+    """Two zones a <= |x| <= b with an even pressure, solved as one zone in a variable y.
+    y is x^2 or, with a period L, tan^2(pi x/L).
 
     The variable is y = v^2, as explained at the head of this module.
 
@@ -118,7 +120,8 @@ class EvenPair(Pair):
         limit: float,
         period: float | None = None,
     ) -> "EvenPair":
-        """The pair of zones for a function `ratio` (see `Ratio`), sampled at Chebyshev nodes.
+        """The pair of zones for a right side G = f'/v that is given as a function `ratio`.
+        It is sampled at Chebyshev nodes.
 
         The function is singular at y = `limit`, which sets the number of nodes.
         """
@@ -129,7 +132,7 @@ class EvenPair(Pair):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Inner end a and outer end b of the zones [m]."""
+        """(inner end a, outer end b) [m] of the two zones a <= |x| <= b."""
         inner, outer = sqrt(self.middle - self.half), sqrt(self.middle + self.half)
         if self.period is None:
             return inner, outer
@@ -137,7 +140,7 @@ class EvenPair(Pair):
 
     @cached_property
     def load(self) -> float:
-        """Load of the two zones together [N/m]."""
+        """Sum of the loads of the two zones [N/m]."""
         if self.period is None:
             return float(0.25 * pi * self.E_star * self.half * self.ratio[1])
         z = (1.0 + self.middle) / self.half
@@ -146,7 +149,10 @@ class EvenPair(Pair):
         return float(0.5 * self.E_star * self.period * series)
 
     def at_angle(self, theta: ArrayLike) -> Array:
-        """Pressure [Pa] at the points where v^2 = middle + half cos(theta) (module head)."""
+        """Pressure [Pa] at the angle theta in a zone.
+        The angle is defined by v^2 = middle + half cos(theta), with v = x or, with a period L, v =
+        tan(pi x/L).
+        """
         theta = np.asarray(theta, dtype=float)
         v = np.sqrt((self.middle - self.half) + 2.0 * self.half * np.cos(0.5 * theta) ** 2)
         series = np.sin(theta[..., None] * np.arange(len(self.ratio))) @ self.ratio
@@ -154,6 +160,7 @@ class EvenPair(Pair):
 
     def angle(self, x: ArrayLike) -> Array:
         """Angle theta of positions x in a zone, defined by v^2 = middle + half cos(theta).
+        Here v is x or, with a period L, tan(pi x/L).
 
         Outside the zones it is 0 or pi, where the pressure is 0.
         """
@@ -166,11 +173,11 @@ class EvenPair(Pair):
         return np.asarray(2.0 * np.arctan2(np.sqrt(from_outer), np.sqrt(from_inner)))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) [Pa], 0 outside the zones."""
+        """Contact pressure p(x) [Pa]; 0 outside the two zones."""
         return self.at_angle(self.angle(x))
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone."""
+        """Pressure [Pa] at the position t of a zone, from -1 at its left to 1 at its right end."""
         check_number(zone, 2)
         a, b = self.ends
         outward = np.asarray(t, dtype=float) * (1.0 if zone == 1 else -1.0)
@@ -185,7 +192,8 @@ class EvenPair(Pair):
 def _values(
     ratio: Ratio, middle: float, half: float, limit: float, least: int = 32, most: int = 8192
 ) -> Array:
-    """Values of the function `ratio` at Chebyshev nodes, as many as its series needs.
+    """Values of the right side G = f'/v (`ratio`) at Chebyshev nodes.
+    There are as many nodes as the Chebyshev series of G needs.
 
     The number n of nodes is between `least` and `most`. The terms of the series of G fall as rho^n.
     The rate rho depends on the nearer singularity: y = -1, where arctan v branches, or `limit`. At
@@ -194,13 +202,15 @@ def _values(
     nearest = min(1.0 + middle, limit - middle) / half
     rate = float(np.arccosh(max(nearest, 1.0)))
     n = most if rate * most < 38.0 else max(least, ceil(38.0 / rate))
-    # `middle - half` is computed first: it is small if the zones nearly merge, and must be exact.
+    # The difference `middle - half` is computed first. It is small if the two zones nearly merge,
+    # and then it must be exact.
     y = (middle - half) + 2.0 * half * np.cos(0.5 * pi * (np.arange(n) + 0.5) / n) ** 2
     return ratio(y, middle, half)
 
 
 def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
-    """Middle of the zone in y for a pressure that is bounded at all ends; None if impossible.
+    """Middle of the zone in y = v^2 whose pressure is bounded at all ends; None if impossible.
+    The half width `half` of the zone is given.
 
     The condition is g_0 = 0 for the mean g_0 of G = f'/v over the angle (head of this module).
     There is no such middle if the zones have met at x = 0, or if y reaches `limit`. g_0 grows with
@@ -239,8 +249,8 @@ def pair_at_load(
 
     def log_excess(log_half: float) -> float:
         pair = at(exp(log_half))
-        # If there is no pair of this half width, the zones have merged. Merged zones carry more
-        # load than any pair.
+        # If no pair of zones has this half width, the two zones have merged. Merged zones carry
+        # more load than any pair.
         return inf if pair is None else log(pair.load / load)
 
     low = log(limit if np.isfinite(limit) else 1.0) - 1.0
@@ -267,7 +277,7 @@ def tips_slope(x: Array, radius: float, spacing: float) -> Array:
 
 @dataclass(frozen=True)
 class PairRow(Pair):
-    """Two tips at the distance `spacing`, once in every period, each tip with its own zone.
+    """Two tips at the distance `spacing` in every period, each with its own contact zone.
 
     The mean pressure is the load of both tips, divided by the period. A subclass defines `pair`, or
     else the ends of the zones and the pressure.
@@ -286,17 +296,17 @@ class PairRow(Pair):
 
     @property
     def load(self) -> float:
-        """Load of the two zones [N/m]."""
+        """Sum of the loads of the two zones in one period [N/m]."""
         return self.mean_pressure * self.period
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution as one zone in the variable y of `EvenPair`."""
+        """The two zones as one zone in the variable y = v^2 (see `EvenPair`)."""
         raise NotImplementedError
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Inner end a and outer end b of the zones [m]."""
+        """(inner end a, outer end b) [m] of the two zones a <= |x| <= b."""
         return self.pair.ends
 
     @property
@@ -305,7 +315,7 @@ class PairRow(Pair):
         return self.pair.max_pressure
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) [Pa], 0 outside the zones."""
+        """Contact pressure p(x) [Pa]; 0 outside the two zones."""
         return self.pair.pressure(x)
 
 
@@ -366,7 +376,7 @@ class PeriodicBiquadratic(PairRow):
 
     @cached_property
     def pair(self) -> EvenPair:
-        """The solution as one zone in y = v^2, with v = tan(pi x/L)."""
+        """The two zones as one zone in y = v^2, where v = tan(pi x/L) for the period L."""
 
         def ratio(y: Array, middle: float, half: float) -> Array:
             v = np.sqrt(y)
@@ -386,5 +396,5 @@ class PeriodicBiquadratic(PairRow):
         return tips_slope(x - self.period * np.round(x / self.period), self.radius, self.spacing)
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone."""
+        """Pressure [Pa] at the position t of a zone, from -1 at its left to 1 at its right end."""
         return self.pair.pressure_at(t, zone)

@@ -29,13 +29,13 @@ class _Wave:
 
     @property
     def full_contact_pressure(self) -> float:
-        """Smallest mean pressure of full contact [Pa]: p* = pi E* amplitude/period."""
+        """Smallest mean pressure [Pa] at which the contact is full: p* = pi E* amplitude/period."""
         return pi * self.E_star * self.amplitude / self.period
 
 
 @dataclass(frozen=True)
 class Westergaard(PeriodicZone, _Wave):
-    """A wave f = Delta (1 - cos(2 pi x/L)) in partial contact (Westergaard 1939).
+    """The partial contact of a wave f = Delta (1 - cos(2 pi x/L)) (Westergaard 1939).
 
     With p* = pi E* Delta/L, u = pi x/L, A = pi a/L, s = sin u and q^2 = s^2 - sin^2 A,
 
@@ -93,13 +93,13 @@ class Westergaard(PeriodicZone, _Wave):
         return 2.0 * pi * self.amplitude / self.period * sine(2.0 * r, self.period)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # The formula (18) contains sqrt(cos 2u - cos 2A) with u = pi x/L and A = pi a/L. Here
-        # cos 2u - cos 2A is written as 2 sin(A - u) sin(A + u), so that nothing cancels.
+        # Equation (18) for the pressure contains sqrt(cos 2u - cos 2A), with u = pi x/L and A = pi
+        # a/L. Here cos 2u - cos 2A is written as 2 sin(A - u) sin(A + u), so that nothing cancels.
         root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
         return 2.0 * self.full_contact_pressure * cosine(self.half_width, self.period, d) * root
 
     def load_rate(self, s: ArrayLike) -> Array:
-        """Derivative dP/ds of the load P by the half width s."""
+        """Derivative dP/ds of the load P of a zone by its half width s."""
         return pi * self.full_contact_pressure * sine(2.0 * np.asarray(s), self.period)
 
     def load_at(self, s: Array) -> Array:
@@ -109,7 +109,8 @@ class Westergaard(PeriodicZone, _Wave):
 
 @dataclass(frozen=True)
 class FullContactSinusoid(_Wave):
-    """Full contact of a wave Delta (1 - cos(2 pi x/L)): pressure mean + p* cos(2 pi x/L).
+    """Full contact of a wave f = Delta (1 - cos(2 pi x/L)).
+    The pressure is its mean plus p* cos(2 pi x/L).
 
     The mean pressure is at least p* = pi E* Delta/L. H. M. Westergaard, J. Appl. Mech. 6
     (1939) A49-A53, doi 10.1115/1.4008919.
@@ -173,17 +174,19 @@ class FullContactSinusoid(_Wave):
     stiffness = property(lambda self: inf)
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) [Pa]: mean - p* + 2 p* cos^2(pi x/L), p* = `full_contact_pressure`."""
+        """Pressure p(x) [Pa] in full contact: mean - p* + 2 p* cos^2(pi x/L).
+        p* is `full_contact_pressure`.
+        """
         full = self.full_contact_pressure
         cos = np.cos(pi / self.period * np.asarray(x))
         return self.mean_pressure - full + 2.0 * full * cos**2
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement u(x) [m] into the body: amplitude times cos(2 pi x/L)."""
+        """Displacement u(x) [m] of the surface into the body: amplitude times cos(2 pi x/L)."""
         return self.amplitude * np.cos(2.0 * pi / self.period * np.asarray(x, dtype=float))
 
     def gap(self, x: ArrayLike) -> Array:
-        """The gap [m], 0 everywhere."""
+        """The gap [m] between the surfaces, which is 0 everywhere in full contact."""
         return np.zeros_like(np.asarray(x, dtype=float))
 
 
@@ -260,7 +263,7 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
 
     @property
     def admissible(self) -> bool:
-        """Whether the pressure is positive up to the ends."""
+        """Whether the pressure is positive up to the ends of the zone."""
         return self._k * self.half_width <= float(jn_zeros(0, 1)[0])
 
     @classmethod
@@ -278,8 +281,9 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         return self.amplitude * self._k * np.sin(self._k * r)
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        # With t = cos phi, the terms of (20) are sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi). The
-        # angle phi is computed from the distance d to the zone's end, without cancellation.
+        # With t = x/a = cos phi, the terms of the series (20) are sqrt(1 - t^2) U_2j(t) = sin((2j +
+        # 1) phi). The angle phi is computed from the distance d to the end of the zone, without
+        # cancellation.
         phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / self.half_width))
         j = np.arange(20)  # J_41(pi) is below 1e-40
         weight = (-1.0) ** j * jv(2 * j + 1, self._k * self.half_width)
@@ -287,7 +291,7 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
         return self.E_star * self.amplitude * self._k * series
 
     def load_rate(self, s: ArrayLike) -> Array:
-        """Derivative dP/ds of the load P by the half width s."""
+        """Derivative dP/ds of the load P of a zone by its half width s."""
         z = self._k * np.asarray(s)
         return np.asarray(0.5 * pi * self.E_star * self.amplitude * self._k * z * j0(z))
 

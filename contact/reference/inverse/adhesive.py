@@ -47,7 +47,8 @@ from sie import Array, Mask
 
 @dataclass(frozen=True, eq=False)
 class AdhesiveDesign(GivenZones):
-    """An exact contact of given zones, load and work of adhesion under JKR adhesion.
+    """An exact contact with JKR adhesion for given zones, load and work of adhesion.
+    The profile of the body follows from them.
 
     At every end p ~ -sqrt(E* w/pi)/sqrt(d).
 
@@ -122,11 +123,14 @@ class AdhesiveDesign(GivenZones):
 
     @property
     def intensity(self) -> float:
-        """Intensity sqrt(E* w/pi) [Pa m^(1/2)] of the pressure at every end, with w = `work`."""
+        """Intensity sqrt(E* w/pi) [Pa m^(1/2)] of the pressure at every end.
+        It is the factor of 1/sqrt(distance); w is the work of adhesion `work`.
+        """
         return sqrt(self.E_star * self.work / pi)
 
     def _side(self, i: int) -> float:
-        """Factor +-1 that turns |X| R (head of this module) into the slope of the gap in gap i.
+        """Factor +-1 by which |X| R becomes the slope of the gap in gap i.
+        X^2 is the product of the factors x - e of all zone ends e.
 
         On zone i it turns (E*/2)|X| R into the pressure. It is 1 on the last zone.
         """
@@ -134,26 +138,31 @@ class AdhesiveDesign(GivenZones):
 
     @property
     def _signs(self) -> Array:
-        """Sign of X in the gap next to each end; X^2 is the product of all end factors."""
+        """Sign of X in the gap next to each zone end.
+        X^2 is the product of the factors x - e of all ends e.
+        """
         return np.array([self._side(e if e % 2 else e - 1) for e in range(2 * len(self.zones))])
 
     @cached_property
     def _poles(self) -> NDArray[np.floating]:
-        """Coefficients q_e of the poles in R = M + sum_e q_e/(x - e); the function M is smooth."""
+        """Coefficients q_e of the poles in R = M + sum_e q_e/(x - e), with M a polynomial.
+        The slope of the gap is +-|X| R, where X^2 is the product of the factors x - e of all ends
+        e.
+        """
         product = self._extended
         per_length = 1.0 / product._unit if self.period is None else 2.0 * product._turn
         size = 2.0 * np.sqrt(np.longdouble(self.work) / (product.pi * self.E_star))
         return np.asarray(self._signs * size * np.sqrt(per_length / product.end_factors()))
 
     def _modes(self, product: CutProduct, i: int, dl: Any, dr: Any) -> Any:
-        """Basis functions of M at points of interval i; M is the smooth part of R = M + poles.
+        """Basis functions of M at points of interval i. M is the polynomial in R = M + poles.
 
         The array is (..., number of functions).
         """
         n, ends = len(self.zones), product.zones.ravel()
         if self.period is None:
-            # Unlike the distances, x has a rounding error. It does no harm, as the polynomial M is
-            # smooth.
+            # Unlike the distances dl and dr, the position x has a rounding error. This does no
+            # harm, as M is a smooth polynomial.
             half = 2.0 * product._unit
             x = ends[0] - dr if i < 0 else ends[i] + dl
             return chebyshev.chebvander(((x - ends[0]) - (ends[-1] - x)) / (2.0 * half), n - 1)
@@ -162,7 +171,8 @@ class AdhesiveDesign(GivenZones):
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
-        """Integrals over interval i of |X| times the basis functions of M, and |X| times the poles.
+        """(integrals of |X| times each basis function of M, integral of |X| times the poles of R).
+        They are over interval i, a zone or a gap.
 
         X, M and the poles are those of the head of this module. The first result is a row with one
         entry for each coefficient of M, the second is a number.
@@ -175,7 +185,8 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _zone_integrals(self) -> tuple[Any, Any]:
-        """Loads of all zones due to each basis function of M, and due to the poles of R.
+        """(loads of all zones due to each basis function of M, loads due to the poles of R).
+        The pressure is +-(E*/2)|X| R, with R = M + poles.
 
         M and R: head of this module. The first array, (n, count), has one column for each
         coefficient of M; the second is (n,).
@@ -188,7 +199,9 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _smooth(self) -> Any:
-        """Coefficients of M (see the module) for the given load and equal approach of zones."""
+        """Coefficients of M in R = M + poles, for the given load.
+        All zones get the same approach, since the integral of X R over each gap is 0.
+        """
         modes, poles = self._zone_integrals
         gaps = [self._integrals(g) for g in self._extended.gaps]
         matrix = np.array([*(m for m, _ in gaps), np.sum(modes, axis=0)])
@@ -208,7 +221,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def profile(self) -> DesignedProfile | Fourier:
-        """The profile that has this contact.
+        """The profile of the body that has this contact.
 
         Its slope is the polynomial part of the function X R (head of this module).
         """
@@ -255,7 +268,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def zone_loads(self) -> Array:
-        """Load of every zone [N/m]."""
+        """Array of the loads [N/m] of the zones, from left to right."""
         modes, poles = self._zone_integrals
         return np.asarray(modes @ self._smooth + poles, dtype=float)
 
@@ -265,11 +278,14 @@ class AdhesiveDesign(GivenZones):
         return np.asarray(np.where(np.isnan(p), -np.inf, p), dtype=float)
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
-        """Slope of the gap in gap i (-1: left of all zones), or pressure times 2/E* on zone i."""
+        """Slope of the gap in interval i if it is a gap (-1: left of all zones).
+        If interval i is a zone, the value is the pressure times 2/E*.
+        """
         return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Mask of the points of gap i to which the slope is integrated from the left end.
+        """Mask of the points of gap i for which the slope is integrated from the left end.
+        For all other points it is integrated from the right end.
 
         These points are nearer to the left end than to the right end.
         """
@@ -277,12 +293,13 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Largest pressure [Pa]."""
+        """Largest pressure [Pa] of all zones; the infinite tension at the ends does not count."""
         return self._greatest(1e-6, 257)
 
     @cached_property
     def is_admissible(self) -> bool:
-        """Whether the surfaces stay separate outside the zones.
+        """Whether the surfaces stay apart between the zones.
+        Only then is the designed contact possible.
 
         In every gap the slope is summed from both ends to the middle, at 400 angles: all partial
         sums must be positive. Outside all zones the slope must have the sign of an opening gap.
@@ -343,19 +360,20 @@ def second_variation(design: AdhesiveDesign) -> Array:
     root = np.sqrt(others)
     k = outward * sigma * root * q  # X R ~ k/sqrt|factor| next to the end
     at_ends = [product.at_end(e) for e in range(m)]
-    # Entry [i, j] of `poles` is the value at end i of the pole term of end j.
+    # `poles`: entry [i, j] is the value at end i of the pole of end j, which is 1/(x - e_j) without
+    # a period.
     poles = np.array([product.poles(*at)[0] for at in at_ends])
     np.fill_diagonal(poles, 0.0)
     modes = np.array([design._modes(product, *at)[0] for at in at_ends])
     strength = outward * others * q / (2.0 * unit)  # the coefficient A of every end
-    # Entry [i, j] is the value at end i of the polynomial T for a motion of end j. The head of this
-    # module defines T.
+    # `smooth`: entry [i, j] is the value at end i of the polynomial T that belongs to a motion of
+    # end j (head of this module).
     smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T
     regular = modes @ design._smooth.astype(float) + poles @ q
     change = (sigma / root)[:, None] * (strength * poles + smooth)  # change of k at end i by end j
-    # Change of k at the moved end itself. In X R, the term after k/sqrt|factor| is b sqrt|factor|.
-    # The derivative of this term by the end is proportional to (b/2)/sqrt|factor|. The derivatives
-    # of the other factors cancel.
+    # Change of the intensity k at the moved end itself. Next to this end, X R = k/sqrt|factor| + b
+    # sqrt|factor|. The derivative of the second term by the end is proportional to
+    # (b/2)/sqrt|factor|. The derivatives of the other factors cancel.
     own = outward * root * regular / (2.0 * unit) + np.diagonal(smooth) / root
     np.fill_diagonal(change, sigma * own)
     return np.asarray(2.0 * design.work * change / k[:, None] * outward, dtype=float)
@@ -393,7 +411,8 @@ def is_stable(design: AdhesiveDesign) -> bool:
 
 
 def _low_modes(design: AdhesiveDesign, modes: Array) -> Array:
-    """Basis functions of the polynomial T in the field of a moving end (head of this module).
+    """Values of the basis functions of the polynomial T, which are part of those of M (`modes`).
+    T belongs to the field of a moving end (head of this module).
 
     The array is (..., n - 1). They are the basis functions of M without the highest polynomial, or
     with a period without the highest cosine and sine.
@@ -402,7 +421,8 @@ def _low_modes(design: AdhesiveDesign, modes: Array) -> Array:
 
 
 def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
-    """Coefficients, (2n, n - 1), of the polynomial T (head of this module).
+    """Coefficients (2n, n - 1) of the polynomial T for a motion of each of the 2n ends.
+    T is part of the field that the motion causes (head of this module).
 
     They have one row for a unit motion of each end.
 
@@ -432,7 +452,8 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
 def _pole_slope(
     design: AdhesiveDesign, g: int, at: tuple[Array, Array], j: int, pole: Any
 ) -> Array:
-    """(|X| `pole`)' / |X| at points in gap g, where `pole` is the pole of R at end j.
+    """(|X| pole)' / |X| at points in gap g, where `pole` is the pole of R at end j.
+    The pole is 1/(x - e_j) without a period; X^2 is the product of the factors x - e of all ends.
 
     X, R: head of this module. at: distances of the points from the ends of the gap.
     """

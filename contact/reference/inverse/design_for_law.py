@@ -20,7 +20,8 @@ def design(
     law: Law | None = None,
     cohesive: ArrayLike | None = None,
 ) -> Any:
-    """The exact contact that has the given zones and the given load under the given law.
+    """The exact contact with given zones and load under a contact law, as an inverse design.
+    The profile of the body follows from the zones.
 
     Parameters
     ----------

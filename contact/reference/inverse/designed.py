@@ -72,7 +72,7 @@ class DesignedProfile(Profile):
     hull: tuple[float, float]
 
     def _local(self, x: ArrayLike) -> Array:
-        """Position x scaled so that the hull of the zones is [-1, 1]."""
+        """Position x mapped so that the interval from the first to the last zone end is [-1, 1]."""
         lo, hi = self.hull
         x = np.asarray(x)
         return np.asarray(((x - lo) - (hi - x)) / (hi - lo))
@@ -84,7 +84,9 @@ class DesignedProfile(Profile):
         )
 
     def height(self, x: ArrayLike) -> Array:
-        """Profile f(x) [m], zero in the middle of the zones' hull."""
+        """Height f(x) [m] of the profile.
+        It is 0 in the middle between the first and the last zone end.
+        """
         return np.asarray(chebyshev.chebval(self._local(x), self._height_series))
 
     def slope(self, x: ArrayLike) -> Array:
@@ -98,7 +100,7 @@ class DesignedProfile(Profile):
 
     @property
     def coefficients(self) -> Array:
-        """Coefficients of the profile f as a polynomial in x, lowest power first."""
+        """Coefficients of the profile f as a polynomial in x, from lowest to highest power."""
         return np.asarray(
             np.polynomial.Chebyshev(self._height_series, self.hull)
             .convert(kind=np.polynomial.Polynomial)
@@ -107,7 +109,7 @@ class DesignedProfile(Profile):
 
 
 def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
-    """Coefficients S_m of prod_i (1 - y_i z)^{e_i} as a power series in z.
+    """Coefficients S_m of prod_i (1 - y_i z)^{e_i} as a power series in z, from power sums q.
 
     They follow from the power sums q_k = sum_i e_i y_i^k by Newton's identity
     m S_m = -sum_{j=1}^m q_j S_{m-j}.
@@ -121,7 +123,8 @@ def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
 
 @dataclass(frozen=True, eq=False)
 class GivenZones(ExactContact):
-    """Base class of contacts of given zones, whose fields follow from `CutProduct`.
+    """Base class of exact contacts for which the zones are given and the profile follows.
+    The fields follow from the product X M of `CutProduct`.
 
     A subclass defines the profile, the zone loads, the pressure and the slope of the gap. Its
     formulas take the distances dl and dr of a point from the left and right end of its interval.
@@ -142,40 +145,46 @@ class GivenZones(ExactContact):
 
     @cached_property
     def _extended(self) -> CutProduct:
-        """The products of `CutProduct` in extended precision, for the profile and the loads."""
+        """The product X M of `CutProduct` in extended precision, for the profile and the loads."""
         return CutProduct(self.zones.astype(np.longdouble), self.period)
 
     @cached_property
     def _product(self) -> CutProduct:
-        """The products of `CutProduct` in double precision, for the pressure and the gap."""
+        """The product X M of `CutProduct` in double precision, for the pressure and the gap."""
         return CutProduct(self.zones.astype(float), self.period)
 
     @property
     def profile(self) -> DesignedProfile | Fourier:
-        """The profile of a body whose contact this is."""
+        """The profile of the body that has this contact."""
         raise NotImplementedError
 
     def _of_slope(self, harmonics: Array) -> Fourier:
-        """The profile whose slope has the coefficients `harmonics` of e^{-2 pi i m x/L}, m >= 1."""
+        """The periodic profile whose slope has the Fourier coefficients `harmonics`.
+        They belong to e^{-2 pi i m x/L} for m >= 1.
+        """
         wave = 2.0 * self._extended._turn * np.arange(1, len(harmonics) + 1)
         cosine, sine = -2.0 * harmonics.imag / wave, 2.0 * harmonics.real / wave
         assert self.period is not None
         return Fourier(self.period, cosine.astype(float), sine.astype(float))
 
     def _zone_pressure(self, i: int, dl: Array, dr: Array) -> Array:
-        """Pressure at points of interval i, which is a zone."""
+        """Pressure at points of the zone with interval number i.
+        dl and dr are the distances to its ends.
+        """
         raise NotImplementedError
 
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
-        """Slope of the gap at points of interval i, which is a gap (-1: left of all zones)."""
+        """Slope of the gap at points of the gap with interval number i (-1: left of all zones)."""
         raise NotImplementedError
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Mask of the points of gap i to which the slope is integrated from the left end."""
+        """Mask of the points of gap i for which the slope is integrated from the left end.
+        For all other points it is integrated from the right end.
+        """
         raise NotImplementedError
 
     def _on(self, odd: bool, x: ArrayLike, function: Callable[[int, Array, Array], Array]) -> Array:
-        """Values of `function` at the points in gaps (if `odd`) or in zones; 0 elsewhere.
+        """Values of `function` at the points x in gaps (if `odd`) or in zones; 0 at all other x.
 
         Its arguments are the number of an interval and distances from the ends of this interval.
         """
@@ -188,7 +197,7 @@ class GivenZones(ExactContact):
         return values
 
     def gap(self, x: ArrayLike) -> Array:
-        """Gap [m], displacement + profile - approach; 0 in the zones.
+        """Gap [m] between the surfaces: displacement + profile - approach; 0 in the zones.
 
         The gap is the integral of its slope from a zone end.
         """
@@ -199,8 +208,8 @@ class GivenZones(ExactContact):
         rightward = self._from_left(i, left, right)
         length, rest = np.where(rightward, left, right), np.where(rightward, right, left)
         safe = np.where(length == 0.0, 1.0, length)  # the slope may be infinite at an end
-        # Near an end the slope may grow like 1/sqrt(distance from the end). The integration
-        # variable is s, where distance = length s^2, so that the integrand is smooth.
+        # Near an end the slope of the gap may grow like 1/sqrt(distance from the end). With
+        # distance = length s^2, the integrand is smooth in the integration variable s.
         start, stop = safe * FROM_LEFT**2, rest + safe * FROM_RIGHT * (1.0 + FROM_LEFT)
         values = self._opening(
             i, np.where(rightward, start, stop), np.where(rightward, stop, start)
@@ -209,36 +218,40 @@ class GivenZones(ExactContact):
         return np.asarray(np.sum(sign * length * FROM_LEFT * WEIGHT * values, axis=-1))
 
     def height(self, x: ArrayLike) -> Array:
-        """Profile f(x) [m], up to a constant."""
+        """Height f(x) [m] of the profile, up to a constant."""
         return self.profile.height(x)
 
     def slope(self, x: ArrayLike) -> Array:
-        """Slope f'(x) of the profile."""
+        """Slope f'(x) of the profile f of the designed body."""
         return self.profile.slope(x)
 
     @property
     def nearness(self) -> float:
-        """Width of the narrowest gap divided by that of the widest zone."""
+        """Width of the narrowest gap divided by the width of the widest zone."""
         gaps = self._product.steps[1::2]
         return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at normalised positions t in [-1, 1] of a zone, accurate up to its ends."""
+        """Pressure [Pa] at the position t of a zone, from -1 at its left to 1 at its right end.
+        It is accurate up to the ends.
+        """
         check_number(zone, len(self.zones))
         t = np.asarray(t, dtype=float)
         half = 0.5 * self._product.steps[2 * zone]
         return self._zone_pressure(2 * zone, half * (1.0 + t), half * (1.0 - t))
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) [Pa], 0 outside the zones."""
+        """Contact pressure p(x) [Pa]; 0 outside the zones."""
         return self._on(False, x, self._zone_pressure)
 
     def gap_slope(self, x: ArrayLike) -> Array:
-        """Slope of the gap, (u + f)'; 0 in the zones."""
+        """Slope of the gap, (u + f)', with displacement u and profile f; 0 in the zones."""
         return self._on(True, x, self._opening)
 
     def displacement(self, x: ArrayLike) -> Array:
-        """Displacement u(x) [m] into the body, of zero mean; raises SceneError without a period."""
+        """Displacement u(x) [m] of the surface into the body, with mean 0.
+        Raises SceneError without a period.
+        """
         if self.approach is None:
             raise SceneError.of(
                 "period", None, "a length > 0: an isolated displacement needs a datum"
@@ -246,7 +259,9 @@ class GivenZones(ExactContact):
         return self.approach - (self.height(x) - self._least_height) + self.gap(x)
 
     def _greatest(self, margin: float, samples: int) -> float:
-        """Largest pressure [Pa] of all zones, searched over positions cos(phi) in each zone.
+        """Largest pressure [Pa] of all zones.
+        In each zone it is searched at positions cos(phi), with phi at least `margin` away from the
+        ends.
 
         The position is normalised to [-1, 1]. The angle phi goes from `margin` to pi - `margin`.
         """
@@ -288,7 +303,8 @@ class GivenZones(ExactContact):
 
 @dataclass(frozen=True, eq=False)
 class DesignedContact(GivenZones):
-    """An exact frictionless contact of given zones and load; the profile follows from them.
+    """An exact frictionless contact with given zones and load.
+    The profile of the body follows from them.
 
     p = (E*/2)|X M| on the zones, gap slope = X M between them: see the head of this module.
     Pressures, gaps and loads are exact to round-off. Derived from the general solution (34) of N.
@@ -357,7 +373,9 @@ class DesignedContact(GivenZones):
 
     @cached_property
     def _raw_loads(self) -> Array:
-        """Integral of |X M| over each zone, before the product X M is scaled to the load."""
+        """Integrals of |X M| over each zone, not yet scaled to the given load.
+        The pressure is proportional to |X M|.
+        """
         nodes = [(i, *self._extended.nodes(i)) for i in range(0, 2 * len(self.zones), 2)]
         return np.array(
             [np.sum(weight * self._extended.magnitude(i, dl, dr)) for i, dl, dr, weight in nodes]
@@ -365,7 +383,7 @@ class DesignedContact(GivenZones):
 
     @cached_property
     def _extended_scale(self) -> Any:
-        """The factor that makes the pressure (E*/2)|X M| carry the given load."""
+        """The factor of X M with which the pressure (E*/2)|X M| carries the given load."""
         return self.load / (0.5 * self.E_star * np.sum(self._raw_loads))
 
     @property
@@ -374,17 +392,17 @@ class DesignedContact(GivenZones):
 
     @cached_property
     def profile(self) -> DesignedProfile | Fourier:
-        """The profile of a body whose contact this is."""
+        """The profile of the body that has this contact."""
         hull = (float(self.zones[0, 0]), float(self.zones[-1, 1]))
         ends = self._extended.zones.ravel()
         roots = ends[list(self._extended.gaps)] + self._extended.roots[:, 0]
         exponents = np.concatenate([np.full(len(ends), 0.5), np.ones(len(roots))])
         n = len(self.zones)
         if self.period is None:
-            # X M becomes a series in powers of v, with x = middle + half (v + 1/v)/2 and the middle
-            # and half width of `hull`. For an end or root e = middle + half cos(phi), the factor in
-            # X^2 or M is, with unit = half/2,
-            #     (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            # X M becomes a series in powers of v, where x = middle + half (v + 1/v)/2, with the
+            # middle and the half width of `hull`. For a zone end or a root of M at e = middle +
+            # half cos(phi), the factor in X^2 or M is (x - e)/unit = v (1 - e^{i phi}/v)(1 - e^{-i
+            # phi}/v), with unit = half/2.
             points = np.concatenate([ends, roots])
             phi = 2.0 * np.arctan2(np.sqrt(hull[1] - points), np.sqrt(points - hull[0]))
             power_sums = np.array([2.0 * np.sum(exponents * np.cos(k * phi)) for k in range(2 * n)])
@@ -405,7 +423,7 @@ class DesignedContact(GivenZones):
 
     @property
     def zone_loads(self) -> Array:
-        """Load of every zone [N/m]; the loads of all zones add up to the load."""
+        """Load [N/m] of every zone; their sum is the given load."""
         return np.asarray(self.load * self._raw_loads / np.sum(self._raw_loads), dtype=float)
 
     def _zone_pressure(self, i: int, dl: Array, dr: Array) -> Array:
@@ -417,7 +435,8 @@ class DesignedContact(GivenZones):
         return self._scale * self._product.side(i, dl, dr) * self._product.magnitude(i, dl, dr)
 
     def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
-        """Mask of the points of gap i to which the slope is integrated from the left end.
+        """Mask of the points of gap i for which the slope is integrated from the left end.
+        For all other points it is integrated from the right end.
 
         These points lie on the left of the widest point of the gap.
         """

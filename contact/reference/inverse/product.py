@@ -19,7 +19,7 @@ from sie import Index, Mask
 
 Array = NDArray[np.floating]
 
-# This is pi to more digits than any long double has.
+# pi to more digits than any long double has
 _PI = "3.14159265358979323846264338327950288"
 
 
@@ -37,14 +37,14 @@ class CutProduct:
     period: float | None = None
 
     def rounded(self) -> "CutProduct":
-        """Return the same product in double precision; the roots of M are rounded as well."""
+        """Return the same product X M in double precision, with the roots of M rounded as well."""
         other = CutProduct(self.zones.astype(float), self.period)
         other.__dict__["roots"] = self.roots.astype(float)
         return other
 
     @property
     def pi(self) -> Any:
-        """pi in the precision of the zones."""
+        """The number pi in the precision of the zones (double or extended)."""
         return self.zones.dtype.type(_PI)
 
     @cached_property
@@ -53,26 +53,28 @@ class CutProduct:
 
     @cached_property
     def steps(self) -> Array:
-        """Lengths of the intervals between neighbouring ends, zones and gaps in turn."""
+        """Lengths of the intervals between neighbouring zone ends; zones and gaps alternate."""
         ends = self.zones.ravel()
         steps = np.diff(ends)
         return steps if self.period is None else np.append(steps, ends[0] + self.period - ends[-1])
 
     @property
     def gaps(self) -> range:
-        """Numbers of the intervals that are gaps between zones; each gap has one root of M."""
+        """Numbers of the intervals that are gaps between zones.
+        Each of these gaps contains one root of M.
+        """
         return range(1, 2 * len(self.zones) - (self.period is None), 2)
 
     @cached_property
     def _unit(self) -> Any:
-        """Unit of length in the factors, which keeps products of factors near one.
+        """Unit of length of the factors (x - e)/unit, which keeps their products near one.
 
         This is a quarter of the length of the zones' hull: the logarithmic capacity of the hull.
         """
         return 0.25 * (self.zones[-1, 1] - self.zones[0, 0])
 
     def _sum(self, first: int, last: int) -> Any:
-        """Sum of the lengths of the intervals first ... last - 1.
+        """Sum of the lengths of the intervals with numbers first ... last - 1.
 
         If last < first, they go on from interval 0 after the last one.
         """
@@ -82,7 +84,8 @@ class CutProduct:
 
     @cached_property
     def _leftward(self) -> Array:
-        """Matrix whose entry [i, j] is the distance leftward from end i to end j.
+        """Matrix of distances between zone ends.
+        Entry [i, j] is the distance from end i leftward to end j.
 
         Without a period it is nan if j > i, and in an extra row and column for the intervals left
         and right of all zones.
@@ -97,7 +100,8 @@ class CutProduct:
         return distances if self.period else np.pad(distances, (0, 1), constant_values=np.nan)
 
     def _distances(self, i: int, dl: Array, dr: Array) -> tuple[Array, Array]:
-        """Distances leftward and rightward to every end, (..., 2n), from points of interval i.
+        """(distances leftward, distances rightward) from points of interval i to every zone end.
+        Each array has the shape (..., 2n).
 
         A point is `dl` from the left end and `dr` from the right end of its interval.
         """
@@ -106,7 +110,7 @@ class CutProduct:
         return dl[..., None] + self._leftward[i, :m], dr[..., None] + self._leftward[:m, after]
 
     def _factors(self, left: Array, right: Array, positive_side: Mask) -> Array:
-        """Signed factors (x - e)/unit of ends or roots e at points x.
+        """Signed factors (x - e)/unit at points x, where e are zone ends or roots of M.
 
         With a period the factors are 2 sin(pi (x - e)/L). The end or root e lies at the distance
         `left` on the left of x, or at the distance `right` on the right of x.
@@ -116,7 +120,9 @@ class CutProduct:
         return 2.0 * np.sin(self._turn * np.minimum(left, right))
 
     def _end_factors(self, i: int, dl: Array, dr: Array) -> Array:
-        """Absolute values of the factors of all ends at points of interval i, (..., 2n)."""
+        """Absolute values (..., 2n) of the factors x - e of all zone ends e.
+        The points x lie in interval i.
+        """
         return np.abs(
             self._factors(*self._distances(i, dl, dr), np.arange(2 * len(self.zones)) <= i)
         )
@@ -124,7 +130,8 @@ class CutProduct:
     def _root_distances(
         self, i: int, dl: Array, dr: Array, offsets: Array
     ) -> tuple[Array, Array, Mask]:
-        """Distances leftward and rightward from points of interval i to all roots of M.
+        """Distances from points of interval i to all roots of M, (leftward, rightward).
+        M has one root in each gap.
 
         A mask of the roots on the left of the interval is returned as well.
 
@@ -147,7 +154,7 @@ class CutProduct:
 
     @cached_property
     def roots(self) -> Array:
-        """Distances (roots, 2) of each root of M from the left and the right end of its gap.
+        """Table of the roots of M, one per gap: distances from left and right end of the gap.
 
         Newton's method solves int_gap |X| M = 0 for all gaps.
         """
@@ -167,8 +174,8 @@ class CutProduct:
             residual = np.array([r for r, _ in rows], dtype=float)
             jacobian = np.array([j for _, j in rows], dtype=float).reshape(len(gaps), len(gaps))
             step = -np.linalg.solve(jacobian, residual)
-            # A step is at most nine tenths of the distance from a root of M to the end of its gap,
-            # so that the root stays in the gap.
+            # A Newton step is limited to nine tenths of the distance from a root of M to the end of
+            # its gap, so that the root stays in the gap.
             limit = np.where(step > 0.0, offsets[:, 1], offsets[:, 0])
             step = np.sign(step) * np.minimum(np.abs(step), 0.9 * limit)
             offsets = offsets + np.outer(step, [1.0, -1.0])
@@ -179,7 +186,8 @@ class CutProduct:
     def _gap_row(
         self, row: int, g: int, dl: Array, dr: Array, weight: Array, offsets: Array
     ) -> tuple[Any, Array]:
-        """Integral of |X| M over one gap, and the derivatives of this integral by all roots of M.
+        """(integral of |X| M over one gap, derivatives of this integral by the roots of M).
+        The integral must be 0, so that both neighbouring zones have the same approach.
 
         The integral and its derivatives are divided by the integral of |X M|. `weight` is the
         quadrature weight times |X|.
@@ -188,8 +196,8 @@ class CutProduct:
         factors = self._factors(left, right, is_left)
         others = np.prod(np.delete(factors, row, axis=-1), axis=-1) * weight
         own = factors[:, row]
-        # If a node coincides with the root of M in this gap, 1/factor is infinite there. The
-        # derivative by this root is computed in another way below.
+        # If a node coincides with the root of M in this gap, the inverse of the factor of this root
+        # is infinite at the node. The derivative by this root is computed in another way below.
         with np.errstate(divide="ignore"):
             if self.period is None:
                 logarithmic = 1.0 / np.where(is_left, left, -right)
@@ -205,7 +213,8 @@ class CutProduct:
         return np.sum(others * own) / scale, derivative
 
     def nodes(self, i: int) -> tuple[Any, Any, Any]:
-        """Gauss-Chebyshev rule on interval i, with distances of the nodes from both ends.
+        """Nodes and weights of a Gauss-Chebyshev rule on interval i.
+        Each node is given by its distances from both ends of the interval.
 
         Returns (distances dl from the left end, distances dr from the right end, weights). The
         integrand may grow like 1/sqrt at the ends, and is analytic up to the neighbouring ends.
@@ -229,11 +238,14 @@ class CutProduct:
         )
 
     def root(self, i: int, dl: Array, dr: Array) -> Array:
-        """|X|, the square root of the product of all end factors, at points of interval i."""
+        """The value |X| at points of interval i.
+        X^2 is the product of the factors x - e of all zone ends e.
+        """
         return np.asarray(np.sqrt(np.prod(self._end_factors(i, dl, dr), axis=-1)))
 
     def poles(self, i: int, dl: Array, dr: Array) -> Array:
-        """Inverses 1/factor of the signed factors of all ends, at points of interval i, (..., 2n).
+        """Inverses 1/factor (..., 2n) of the signed factors x - e of all zone ends e.
+        The points x lie in interval i.
 
         With a period and an even number of zones they are cos(pi (x - e)/L)/factor, so that X times
         a pole is periodic.
@@ -247,14 +259,16 @@ class CutProduct:
             return np.asarray(np.cos(self._turn * (dl[..., None] + self._leftward[i])) / factors)
 
     def at_end(self, e: int) -> tuple[int, Any, Any]:
-        """End e as a point (interval number, dl, dr) of an interval that begins or ends at e."""
+        """The zone end e as (interval number, distance from its left end, from its right end)."""
         zero = np.zeros(1, dtype=self.zones.dtype)
         if e + 1 < 2 * len(self.zones) or self.period is not None:
             return e, zero, self.steps[[e]]
         return e - 1, self.steps[[e - 1]], zero
 
     def end_factors(self) -> Array:
-        """For every end e, the absolute value at e of the product of all other ends' factors."""
+        """For every zone end e, the absolute value at e of the product of the factors of all other
+        ends.
+        """
         factors = np.array(
             [self._end_factors(*self.at_end(e))[0] for e in range(2 * len(self.zones))]
         )
@@ -262,7 +276,9 @@ class CutProduct:
         return np.asarray(np.prod(factors, axis=1))
 
     def magnitude(self, i: int, dl: Array, dr: Array) -> Array:
-        """|X M| (head of this module) at points of interval i, not scaled to carry the load."""
+        """The value |X M| at points of interval i, not scaled to carry the load.
+        X has its roots at zone ends, M has one root in each gap.
+        """
         ends = self.root(i, dl, dr)
         return ends * np.abs(
             np.prod(self._factors(*self._root_distances(i, dl, dr, self.roots)), axis=-1)
@@ -282,7 +298,7 @@ class CutProduct:
         )
 
     def locate(self, x: Array) -> tuple[Index, Array, Array]:
-        """For every point, the number of its interval and the distances from the interval's ends.
+        """(number of the interval, distances from its left and right end) for every point x.
 
         The number is -1 left of all zones.
         """
@@ -295,5 +311,5 @@ class CutProduct:
         dl = x - ends[np.maximum(i, 0)]
         right = np.append(ends[1:], np.nan if self.period is None else ends[0] + self.period)
         dr = np.where(i < 0, ends[0] - x, right[np.maximum(i, 0)] - x)
-        # Rounding of the shift by periods may make a distance slightly negative.
+        # Rounding in the shift of x by whole periods may make a distance slightly negative.
         return i, np.where(dl < 0.0, 0.0, dl), np.where(dr < 0.0, 0.0, dr)

@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> float:
-    """Least processor time [s] of a repeated call.
+    """Least processor time [s] of a call over several repetitions.
 
     The call is repeated for `patience` s, but at most `most` times.
 
@@ -37,7 +37,7 @@ def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> f
 
 
 def short_seconds(call: Callable[[], Any], patience: float = 0.05) -> float:
-    """Least processor time [s] of a call that takes only microseconds.
+    """Least processor time [s] of a call so short (microseconds) that it is timed in loops.
 
     The clock is read before and after many calls, as its resolution is too low for a single call.
     """

@@ -67,7 +67,7 @@ def _mean_pressure(scene: Scene) -> float:
 
 
 def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
-    """Intervals shifted into the profile's cell and sorted, and their indices before sorting.
+    """(intervals shifted into the cell of the profile and sorted, their indices before sorting).
 
     The left ends lie in [x0, x0 + L), where x0 is the start of the cell and L the period.
     """
@@ -79,7 +79,7 @@ def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
 
 @dataclass(frozen=True, eq=False)
 class Formulated:
-    """A periodic contact in SI units, with zones in the profile's cell.
+    """A solved periodic contact in SI units; its zones lie in the cell of the profile.
 
     `order` gives for every zone its number in `fields`.
     """
@@ -105,7 +105,9 @@ class Formulated:
 
 
 def solved_by_gaps(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> Formulated:
-    """Solve a scene for the slope of the gap; raise NotConverged if the iteration fails."""
+    """Solve a scene with the slope of the gap as the unknown.
+    Raises NotConverged if the iteration fails.
+    """
     problem = scaled(scene)
     units = problem.units
     assert problem.period is not None
@@ -127,14 +129,15 @@ def solved_by_gaps(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> For
 
 
 def solved_by_zones(scene: Scene, moved: float = 1e-3, tol: float = 2e-15) -> Formulated:
-    """Solve a scene for the pressure on its zones."""
+    """Solve a scene with the pressure on the contact zones as the unknown."""
     problem = scaled(scene)
     units = problem.units
     assert problem.period is not None
     start = units.scaled(solve(scene, 1e-6).zones)
     gaps = np.diff(gaps_between(start, problem.period))[:, 0]
     start = start + moved * np.column_stack((np.roll(gaps, 1), -gaps))
-    # The zones must lie in one cell. The border of the cell is put into the widest gap.
+    # All zones must lie in one cell of the period. Therefore the border of the cell is put into the
+    # widest gap.
     turn = (
         int(
             np.argmax(

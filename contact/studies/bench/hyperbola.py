@@ -46,7 +46,9 @@ class BluntedWedge(Profile):
 
 @dataclass(frozen=True)
 class IsolatedBluntedWedge(SymmetricZone):
-    """The contact of a `BluntedWedge`; the pressure is inaccurate for |x| << `rounding`."""
+    """The exact contact of a `BluntedWedge`, a rounded wedge.
+    Its pressure is inaccurate for |x| << `rounding`.
+    """
 
     steepness: float
     rounding: float
@@ -55,13 +57,15 @@ class IsolatedBluntedWedge(SymmetricZone):
     period = None
 
     def _load(self, s: Array) -> Array:
-        """Load at the half width s; the elliptic integral K(-q) is ellipkm1(1 + q)."""
+        """Load P(s) of a zone of half width s.
+        The elliptic integral K(-q) is computed as ellipkm1(1 + q).
+        """
         q = (s / self.rounding) ** 2
         unit = self.steepness * self.E_star * self.rounding
         return np.asarray(unit * (ellipe(-q) - ellipkm1(1 + q)))
 
     def _load_rate(self, s: Array) -> Array:
-        """Derivative dP/ds of the load P by the half width s.
+        """Derivative dP/ds of the load P of a zone by its half width s.
 
         The elliptic integrals E and K of the parameter m = -q = -s^2/d^2 have the derivatives
         dE/dm = (E - K)/2m and dK/dm = (E - (1 - m) K)/(2 m (1 - m)).
@@ -77,11 +81,14 @@ class IsolatedBluntedWedge(SymmetricZone):
 
     @property
     def max_pressure(self) -> float:
-        """Pressure at x = `rounding`, close to the largest pressure: the scale of errors."""
+        """Pressure at x = `rounding`, which is close to the largest pressure.
+        Errors are divided by it.
+        """
         return float(self.pressure_at(self.rounding / self.half_width))
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        """Pressure (1/pi) int_x^a P'(s)/sqrt(s^2 - x^2) ds, P': derivative of the load.
+        """Pressure (1/pi) int_x^a P'(s)/sqrt(s^2 - x^2) ds, where P' is the derivative of the load.
+        P(s) is the load of a zone of half width s.
 
         With s = x cosh(v) the integrand is smooth in v. The integral is split in halves, since P'
         may change over a short length d within a long interval.

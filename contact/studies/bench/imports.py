@@ -28,8 +28,9 @@ _TIMED = (
 
 
 def seconds(program: str, runs: int = 5) -> float:
-    """Least processor time [s] in several runs of a new Python interpreter with a program."""
-    # The first run must write the compiled files, which the later runs read.
+    """Least processor time [s] of several runs of a program, each in a new Python interpreter."""
+    # The first run writes the compiled files of the modules, and the later runs read them. So their
+    # writing must not be switched off.
     environment = {
         name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
     }

@@ -40,7 +40,7 @@ from contact.studies.trace_kinds import KINDS, drawn
 
 @dataclass(frozen=True)
 class Large:
-    """A scene of a table: its label, a function that makes the profile, and the control."""
+    """A scene of a table: label, function that makes the profile, and controlled quantity."""
 
     label: str
     make: Callable[[], contact.Profile]
@@ -49,7 +49,7 @@ class Large:
     tol: float = 1e-8
 
     def scene(self) -> contact.Scene:
-        """Return the scene with E* = 1 Pa.
+        """Return the scene with this profile and controlled quantity, for E* = 1 Pa.
 
         The control `full` is the load divided by the smallest load of full contact.
         """
@@ -102,7 +102,9 @@ def trace_of_kind(kind: str, points: int) -> contact.Sampled:
 
 
 def kinds(points: int) -> Iterator[Large]:
-    """Scenes of all kinds of traces at four loads and one contact fraction, tolerance 1e-6."""
+    """Scenes of all kinds of measured traces.
+    Each trace has four loads and one contact fraction; the tolerance is 1e-6.
+    """
     for kind in KINDS:
         make = partial(trace_of_kind, kind, points)
         for load in (0.02, 0.1, 0.3, 0.8):
@@ -125,7 +127,7 @@ def scenes(table: str) -> list[Large]:
 
 
 LOADED = ("zones", "contact fraction", "solved by", "time [s]", "stated error", "outcome")
-# The headings of the columns of each table; the first column has the labels of the scenes.
+# The column headings of each table. The first column has the labels of the scenes.
 TABLES = {
     "self-affine": ("kmax", "zones", "time [s]", "peak memory [GB]", "stated error", "outcome"),
     "measured-trace": ("part of the full load", *LOADED),
@@ -136,7 +138,9 @@ TABLES = {
 
 
 def measure(large: Large, patience: float = 60.0) -> dict[str, Any]:
-    """Solve a scene and return measured numbers; the solver is stopped after `patience` seconds."""
+    """Solve a scene and return time, number of zones, error and outcome.
+    The solver is stopped after `patience` seconds.
+    """
     scene = large.scene()
     found: dict[str, Any] = {"outcome": "certified", "zones": 0, "fraction": 0.0, "error": 0.0}
     start = time.process_time()
@@ -156,7 +160,7 @@ def measure(large: Large, patience: float = 60.0) -> dict[str, Any]:
 
 
 def row(columns: tuple[str, ...], label: str, figures: list[dict[str, Any]]) -> tuple[str, ...]:
-    """Return the table row of all scenes of one label.
+    """Return the table row of all scenes that have the same label.
 
     Time, zones and contact fraction are those of the slowest scene; the stated error and the memory
     are the largest of all these scenes.

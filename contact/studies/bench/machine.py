@@ -25,7 +25,7 @@ def table(peers: Sequence[str]) -> Table:
 
 
 def commit() -> str:
-    """Return the commit of the source, and whether the source was changed since.
+    """Return the commit of the source, with a note if files were changed after it.
 
     Without git, the version of the package is returned.
     """

@@ -40,7 +40,7 @@ COLUMNS = (
 
 
 class OnSprings(sie.Condition):
-    """Condition that every zone stands on a spring, which the load of the zone compresses."""
+    """Side condition: every zone rests on a spring, which the load of the zone compresses."""
 
     def count(self, zones: sie.Zones) -> int:
         return len(zones.solved)
@@ -71,7 +71,9 @@ def row_of_zones(count: int, right: sie.End = sie.SINGULAR) -> sie.Zones:
 
 
 def adhering(count: int) -> sie.Zones:
-    """First guess of the zones of adhesive contact on bumps, one zone in each unit of length."""
+    """First guess of the zones of an adhesive contact on bumps.
+    There is one zone in each unit of length.
+    """
     end = sie.free_with_intensity(-0.01)
     half = 0.12 * (1 + 0.05 * np.random.default_rng(0).standard_normal(count))
     at = np.arange(count)
@@ -89,19 +91,21 @@ def wave_equation(
 
 
 def bump_equation(kernel: sie.Kernel, *conditions: sie.Condition) -> sie.Equation:
-    """An equation whose right side is the slope of bumps, one bump in each unit of length."""
+    """An equation whose right side is the slope of bumps.
+    There is one bump in each unit of length.
+    """
     q = 2 * np.pi
     bumps = sie.Forcing(lambda x: np.sin(q * x) / q, lambda x: -np.cos(q * x) / q**2)
     return sie.Equation(kernel, bumps, conditions)
 
 
 def kernel_of_lag() -> sie.Kernel:
-    """The Cauchy kernel plus a smooth function of x - xi."""
+    """The Cauchy kernel plus a smooth kernel that depends on x - xi only."""
     return sie.cauchy() + sie.Smooth(lambda x, xi: (x - xi) * np.exp(-((x - xi) ** 2)), of_lag=True)
 
 
 def kernel_of_both(length: float) -> sie.Kernel:
-    """The Cauchy kernel plus a smooth function of x and xi."""
+    """The Cauchy kernel plus a smooth kernel that depends on x and xi separately."""
     return sie.cauchy() + sie.Smooth(
         lambda x, xi: np.cos(x / length) * np.sin(xi / length) / length
     )

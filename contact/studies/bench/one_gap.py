@@ -33,7 +33,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class OneGap:
-    """A contact just below full contact, with one gap in the period; period 1 and E* = 1."""
+    """A contact just below full contact, with one gap in each period.
+    The period is 1 and E* = 1.
+    """
 
     profile: Fourier
     mean: float
@@ -43,7 +45,8 @@ class OneGap:
 
     @classmethod
     def of(cls, profile: Fourier, full: float, scene: Scene) -> OneGap:
-        """The contact of a scene, by Newton's method for the gap's middle and ln(half width).
+        """The contact of a scene, found by Newton's method.
+        The unknowns are the middle of the gap and ln(half width).
 
         The first guess replaces the conjugate H f' of the slope by a parabola with the same maximum
         and curvature.
@@ -68,13 +71,15 @@ class OneGap:
         return found
 
     def _moved(self, shift: float, stretch: float) -> OneGap:
-        """The contact with the gap moved by `shift` half widths and widened by exp(`stretch`)."""
+        """The contact with a changed gap.
+        It is moved by `shift` half widths and widened by the factor exp(`stretch`).
+        """
         middle, half = self.middle + shift * self.half_gap, self.half_gap * np.exp(stretch)
         return OneGap(self.profile, self.mean, float(middle), float(half))
 
     @property
     def _theta(self) -> Array:
-        """Angles of the Chebyshev nodes on the gap."""
+        """Angles theta of the Chebyshev nodes on the gap, y = tau cos(theta)."""
         return np.asarray(np.pi * (np.arange(self.nodes) + 0.5) / self.nodes)
 
     @property
@@ -83,7 +88,7 @@ class OneGap:
 
     @property
     def _excess(self) -> tuple[Array, float]:
-        """Chebyshev coefficients of the right side G on the gap, and the number B (module head).
+        """Chebyshev coefficients of the right side G on the gap, and the number B (head of module).
 
         G is H f' - 2 pbar/E*, with the conjugate H f' of the slope and the mean pressure pbar.
         """
@@ -94,15 +99,16 @@ class OneGap:
         phase = np.round(k / (2 * pi)) * (2 * extended_pi) * x[:, None]
         series = np.cos(phase) @ c.astype(np.longdouble) + np.sin(phase) @ s.astype(np.longdouble)
         excess = series - 2 * np.longdouble(self.mean)
-        # Double precision suffices from here on. Extended precision was needed for `excess` only,
-        # which is a small difference of large numbers.
+        # Double precision suffices from here on. Only `excess`, a small difference of large
+        # numbers, needed extended precision.
         n = self.nodes
         g = 2 / n * np.cos(np.arange(n)[:, None] * self._theta) @ excess.astype(np.float64)
         g[0] *= 0.5
         return g, float(np.mean(self._slope_sine(g) * y / (1 + y**2)) * self._tau)
 
     def _slope_sine(self, series: Array) -> Array:
-        """Slope of the gap times sin(theta) at the nodes, from the Chebyshev coefficients of G.
+        """Slope of the gap times sin(theta) at the Chebyshev nodes.
+        `series` has the Chebyshev coefficients of the right side G.
 
         The formula uses U_j sin(theta) = sin((j + 1) theta).
         """
@@ -111,7 +117,8 @@ class OneGap:
 
     @property
     def _residual(self) -> Array:
-        """Residuals of the two conditions on the gap's middle and half width (head of this module).
+        """Residuals of the two conditions that determine the gap's middle and half width.
+        They are at the head of this module.
 
         They are G_0 - B, and the integral of s/(1 + eta^2) over eta.
         """
@@ -150,7 +157,7 @@ class OneGap:
 
 
 def _waves(profile: Fourier) -> tuple[Array, Array, Array]:
-    """Arrays k, c, s: the slope's Hilbert transform is the sum over k of c cos(kx) + s sin(kx)."""
+    """Arrays k, c, s for the Hilbert transform of the slope: the sum of c cos(kx) + s sin(kx)."""
     given = [np.asarray(part, dtype=np.float64) for part in (profile.cosine, profile.sine)]
     cosine, sine = (np.pad(part, (0, max(map(len, given)) - len(part))) for part in given)
     k = 2 * pi * np.arange(1.0, len(cosine) + 1)

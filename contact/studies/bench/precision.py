@@ -21,7 +21,7 @@ from contact.studies.bench.cases import Case
 
 @dataclass(frozen=True)
 class Row:
-    """One run of one method on one scene, with its time and errors.
+    """One run of one method on one scene, with the time that it took and its errors.
 
     `error` is the true error, measured as the stated error is: the larger of the errors of
     pressures at equal normalised positions and of ends relative to widths. `at_x` and `mean_at_x`
@@ -57,7 +57,7 @@ def ours(case: Case, quick: bool) -> Iterator[Row]:
 
 
 def hierarchy(case: Case, quick: bool) -> Iterator[Row]:
-    """Run the localized models to a tolerance of 1e-8.
+    """Run the localized models of a case, each to a tolerance of 1e-8.
 
     They are self-consistent models with 0 to 16 neighbours a side, and the first-order model.
     """

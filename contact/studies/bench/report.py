@@ -59,13 +59,16 @@ def line_of_scene(rows: list[Row], scene: str) -> str:
 
 
 def line_of_size(row: Scaled) -> str:
-    """Return a line of text: time for one size of a series, also in units of its floor."""
+    """Return a line of text with the time for one size of a series.
+    It is also given in units of the floor, the time for the least work of any solver by direct
+    sums.
+    """
     floors = f"{row.seconds / row.floor:.3g} times the floor"
     return f"{row.series}, {row.size}: {_time(row.seconds)}, {floors}"
 
 
 def of(rows: Iterable[Row], scene: str, method: str) -> list[Row]:
-    """Return the rows of one method for one scene."""
+    """Return those rows that belong to one scene and one method."""
     return [row for row in rows if row.scene == scene and row.method == method]
 
 
@@ -97,7 +100,8 @@ def precision_table(rows: list[Row], tols: Sequence[float] = (1e-4, 1e-12)) -> T
 
 
 def stated_table(rows: list[Row]) -> Table:
-    """Table of how often the stated error is a bound of the true error, and how often it is sharp.
+    """Table that compares stated and true errors.
+    It shows how often the stated error is a bound, and how often it is sharp.
 
     It is sharp if it is at most 100 max(true error, 1e-13).
     """
@@ -133,7 +137,8 @@ def hierarchy_table(rows: list[Row]) -> Table:
 def peers_tables(
     rows: list[Row], peers: Sequence[str], scenes: Sequence[str]
 ) -> tuple[Table, Table]:
-    """Tables of the times of all codes to reach a largest, and a mean, error of p(x).
+    """Tables of the times that all codes need to reach given errors of p(x).
+    One table is for the largest error, the other for the mean error.
 
     An error counts as reached if all finer runs have at most this error as well.
     """
@@ -169,7 +174,9 @@ def _peers_table(
 
 
 def _reach(rows: list[Row], error: float, measure: str) -> str:
-    """Return the time to an error; if it is not reached, the time of the longest run."""
+    """Return, as text, the time in which a method reaches an error.
+    If the error is not reached, it is "more than" the time of the longest run.
+    """
     if not rows:
         return "did not converge"
     seconds = time_to(rows, error, measure)

@@ -21,7 +21,7 @@ from contact.studies.bench.truth import Exact
 
 @dataclass(frozen=True)
 class Verdict:
-    """The result of one extreme scene.
+    """The verdict on one extreme scene: its allowed, true and stated errors, and the outcome.
 
     `error` and `stated` are the true and the stated error. `outcome` is one of
     - "pass";
@@ -89,8 +89,7 @@ def run(case: Extreme, patience: float = 60.0) -> Verdict:
     outcome = "FAIL"
     if found is not None:
         error, stated = truth.stated_measure(found, exact), found.error
-        # `known_to` is the error of the reference solution `exact`; it is 0 if that is a closed
-        # form.
+        # `known_to` is the error of the reference solution `exact`. It is 0 for a closed form.
         known_to = getattr(exact, "error", 0.0)
         if error <= case.allowed and error <= stated + known_to < np.inf:
             outcome = "pass"
@@ -126,7 +125,9 @@ def _verdict(
 
 
 def _other_topology(found: Solution, exact: Exact) -> tuple[float, str]:
-    """(largest difference of found and exact pressure, relative to the peak; message)."""
+    """Result for a solution with a wrong number of zones: (difference of pressures, message).
+    The difference is the largest one between found and exact pressure, relative to the peak.
+    """
     x = truth.comb(exact)
     apart = truth.at_places(x, found.pressure(x), exact)[0]
     word = ", undecided" if found.certificate.undecided else ""
@@ -148,8 +149,8 @@ def run_matrix(
         if progress is not None:
             progress("scenes", k, len(cases))
         with warnings.catch_warnings():
-            # The model warns about steep slopes. Scenes with E* = 1 and a length of 1 may have
-            # steeper slopes than real surfaces.
+            # The model warns about steep slopes. This warning is ignored, since scenes with E* = 1
+            # and length 1 may have steeper slopes than real surfaces.
             warnings.simplefilter("ignore", ModelWarning)
             out.append(run(case))
     return out

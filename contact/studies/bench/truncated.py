@@ -46,7 +46,7 @@ class TruncatedWedge(Profile):
 
 @dataclass(frozen=True)
 class IsolatedTruncatedWedge(SymmetricZone):
-    """The contact of a `TruncatedWedge`; the zone is wider than the flat top."""
+    """The exact contact of a `TruncatedWedge`, for a zone that is wider than the flat top."""
 
     steepness: float
     half_top: float

@@ -13,7 +13,7 @@ from contact.studies.bench.truth import Exact
 
 @dataclass(frozen=True, eq=False)
 class Extreme:
-    """One extreme scene, with its exact solution and the error that rounded data allow.
+    """An extreme scene, its exact solution, and the error that rounded input data allow.
 
     `condition` bounds the change of the result per relative change of the data. The result is the
     pressure relative to the peak, and the ends relative to the widths. The data are the load, and
@@ -34,10 +34,12 @@ class Extreme:
 
     @property
     def allowed(self) -> float:
-        """The allowed error: at least 1e-13, as no solution states an error below about 5e-14."""
+        """The allowed error of a solution, from the condition number of the scene.
+        It is at least 1e-13, as no solution states an error below about 5e-14.
+        """
         return max(1e-13, 100 * float(np.finfo(float).eps) * self.condition)
 
     @property
     def decidable(self) -> bool:
-        """Whether the allowed error is below `hair`, so that only one number of zones is right."""
+        """Whether the allowed error is below `hair`. If so, only one number of zones is right."""
         return self.allowed < self.hair

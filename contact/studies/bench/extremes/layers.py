@@ -32,8 +32,8 @@ from contact.studies.bench.truth import Exact
 
 Array = NDArray[np.float64]
 
-# Each row has the base of the layer, Poisson's ratio, and the half width of the zone divided by the
-# thickness of the layer.
+# Each row has the base of the layer (smooth or bonded), Poisson's ratio, and the half width of the
+# contact zone divided by the layer's thickness.
 ELASTIC = (
     ("smooth", 0.3, 0.01), ("smooth", 0.3, 1.0), ("smooth", 0.3, 10.0), ("smooth", 0.3, 100.0),
     ("bonded", 0.0, 0.1), ("bonded", 0.3, 1.0), ("bonded", 0.3, 30.0), ("bonded", 0.3, 100.0),
@@ -55,7 +55,9 @@ class Coth(Substrate):
 
 @dataclass(frozen=True)
 class Cosh(Profile):
-    """The profile (h/pi) (cosh(pi x/h) - 1), whose contact on `Coth` has a closed form."""
+    """The profile (h/pi) (cosh(pi x/h) - 1).
+    Its contact with the substrate `Coth` has a closed form.
+    """
 
     h: float
     symmetric = True
@@ -90,8 +92,8 @@ class CothZone(SymmetricZone):
 
     def _pressure(self, r: Array, d: Array) -> Array:
         unit = 0.5 * np.pi / self.h
-        # The difference sinh^2 V - sinh^2 v (head of this module) is computed as
-        # sinh(V - v) sinh(V + v), so that nothing cancels near an end.
+        # The difference sinh^2 V - sinh^2 v, with v = pi x/2h and V its value at the end of the
+        # zone, is computed as sinh(V - v) sinh(V + v), so that nothing cancels near an end.
         return np.asarray(
             np.cosh(unit * r) * np.sqrt(np.sinh(unit * d) * np.sinh(unit * (self.half_width + r)))
         )
@@ -99,7 +101,7 @@ class CothZone(SymmetricZone):
 
 @dataclass(frozen=True)
 class UnderEllipse(Profile):
-    """The profile whose pressure on a layer is half an ellipse on (-1, 1), for E* = 1."""
+    """The profile of a body whose pressure on a layer is half an ellipse on (-1, 1), for E* = 1."""
 
     layer: Layer
     symmetric = True
@@ -109,7 +111,8 @@ class UnderEllipse(Profile):
 
     @cached_property
     def _waves(self) -> tuple[Array, Array]:
-        """Nodes q of the integral over wave numbers, and their weights times (L(q) - 1) J1(q)/q.
+        """Nodes q of the integral over wave numbers, and weights times (L(q) - 1) J1(q)/q.
+        L(q) is the symbol of the layer, and J1 a Bessel function.
 
         L is the symbol of the layer. The last q is 22/h with the thickness h, where
         L - 1 ~ exp(-2 q h) is below round-off.
@@ -133,7 +136,9 @@ class UnderEllipse(Profile):
         return self._summed(lambda x: x + np.sin(np.outer(x, q)) @ weights, x)
 
     def _summed(self, function: Callable[[Array], Array], x: ArrayLike) -> Array:
-        """Values at x of a sum over all waves, computed for a few x at a time to save memory."""
+        """Values at x of a sum over all wave numbers, computed for a few x at a time to save
+        memory.
+        """
         x = np.asarray(x, dtype=np.float64)
         parts = np.array_split(x.ravel(), 1 + x.size * len(self._waves[0]) // 2_000_000)
         return np.concatenate([function(part) for part in parts]).reshape(x.shape)
@@ -141,7 +146,9 @@ class UnderEllipse(Profile):
 
 @dataclass(frozen=True)
 class Ellipse(SymmetricZone):
-    """The contact whose pressure is half an ellipse on (-1, 1), for E* = 1 (`UnderEllipse`)."""
+    """The contact whose pressure is half an ellipse on (-1, 1), for E* = 1.
+    Its profile is `UnderEllipse`.
+    """
 
     load = 0.25 * np.pi  # type: ignore[assignment]
     max_pressure = 0.5  # type: ignore[assignment]
@@ -153,7 +160,7 @@ class Ellipse(SymmetricZone):
 
 
 def layers() -> Iterator[Extreme]:
-    """Extreme scenes on layers with the kernel coth, and on elastic layers.
+    """Extreme scenes on layers, with the kernel coth in closed form, and on elastic layers.
 
     For the kernel coth, d ln(load)/d ln(half width) = 2V coth V (head of this module) is at least
     2. The steepest slope is sinh(2V). At a half width of 30 thicknesses it is 1e40, too steep for
@@ -169,9 +176,9 @@ def layers() -> Iterator[Extreme]:
         )
     for base, nu, ratio in ELASTIC:
         layer = Layer(1 / ratio, nu, base)
-        # The slope has the round-off of a sum of terms of order one. To get the pressure, each wave
-        # of the slope is divided by the layer's symbol. The symbol is smallest for waves as long as
-        # the zone.
+        # Reason for the condition number: the slope has the round-off of a sum of terms of order
+        # one. To get the pressure, each wave of the slope is divided by the layer's symbol. The
+        # symbol is smallest for waves as long as the zone.
         condition = max(1.0, 1 / float(layer.symbol(np.ones(1))[0]))
         name = f"{base}, nu = {nu:g}, half width {ratio:g} thicknesses"
         yield Extreme(
