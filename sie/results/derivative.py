@@ -213,7 +213,7 @@ def _forcing(dg: Forcing | Function | None) -> Forcing | None:
 
 def _with_kernel(forcing: Forcing | None, added: Forcing) -> Forcing:
     """The derivative of the right side minus the field of the kernel's derivative.
-    This field acts on the equation like a right side.
+    This field is that of the density under the derivative of the kernel.
     """
     if forcing is None:
         return Forcing(_Minus(None, added.value), added.primitive and _Minus(None, added.primitive))

@@ -17,7 +17,7 @@ def _tanh_sinh() -> tuple[Array, Array, Array]:
     """Nodes and weights of the double-exponential rule on (0, 1).
     Each node is given by its distances from 0 and from 1.
 
-    It is exact to round-off for end singularities milder than 1/sqrt (Takahasi & Mori 1974).
+    The rule is exact to round-off for end singularities milder than 1/sqrt (Takahasi & Mori 1974).
     """
     step = 0.08
     tau = np.arange(-45, 46) * step

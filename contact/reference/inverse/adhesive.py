@@ -145,7 +145,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _poles(self) -> NDArray[np.floating]:
-        """Coefficients q_e of the poles in R = M + sum_e q_e/(x - e), with M a polynomial.
+        """Coefficients q_e of the poles in R = M + sum_e q_e/(x - e), with M smooth.
         The slope of the gap is +-|X| R, where X^2 is the product of the factors x - e of all ends
         e.
         """
@@ -155,7 +155,7 @@ class AdhesiveDesign(GivenZones):
         return np.asarray(self._signs * size * np.sqrt(per_length / product.end_factors()))
 
     def _modes(self, product: CutProduct, i: int, dl: Any, dr: Any) -> Any:
-        """Basis functions of M at points of interval i. M is the polynomial in R = M + poles.
+        """Basis functions of M at points of interval i. M is the smooth part of R = M + poles.
 
         The array is (..., number of functions).
         """
@@ -287,7 +287,7 @@ class AdhesiveDesign(GivenZones):
         """Mask of the points of gap i for which the slope is integrated from the left end.
         For all other points it is integrated from the right end.
 
-        These points are nearer to the left end than to the right end.
+        The points of the mask are nearer to the left end than to the right end.
         """
         return np.asarray((dl <= dr) | np.isnan(dr)) if i >= 0 else np.zeros(dl.shape, dtype=bool)
 
@@ -298,7 +298,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def is_admissible(self) -> bool:
-        """Whether the surfaces stay apart between the zones.
+        """Whether the surfaces stay apart outside the zones.
         Only then is the designed contact possible.
 
         In every gap the slope is summed from both ends to the middle, at 400 angles: all partial

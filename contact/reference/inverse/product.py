@@ -19,7 +19,7 @@ from sie import Index, Mask
 
 Array = NDArray[np.floating]
 
-# pi to more digits than any long double has
+# The number pi to more digits than any long double has.
 _PI = "3.14159265358979323846264338327950288"
 
 

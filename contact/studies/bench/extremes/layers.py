@@ -114,7 +114,7 @@ class UnderEllipse(Profile):
         """Nodes q of the integral over wave numbers, and weights times (L(q) - 1) J1(q)/q.
         L(q) is the symbol of the layer, and J1 a Bessel function.
 
-        L is the symbol of the layer. The last q is 22/h with the thickness h, where
+        The last q is 22/h with the thickness h, where
         L - 1 ~ exp(-2 q h) is below round-off.
         """
         last = 22 / self.layer.thickness
