@@ -90,7 +90,7 @@ class Criterion:
 
     def of_branch(self, stress: Stress, branch: int) -> Array:
         """The equivalent stress for shear on one set of planes (`branch`).
-        It is a smooth function of the stress.
+        It is a smooth function of the stress. For "mises" the branch does not matter.
         """
         if self.name == "mises":
             return stress.mises(self.nu)

@@ -438,7 +438,7 @@ class DesignedContact(GivenZones):
         """Mask of the points of gap i for which the slope is integrated from the left end.
         For all other points it is integrated from the right end.
 
-        These points lie on the left of the widest point of the gap.
+        The points of the mask lie on the left of the widest point of the gap.
         """
         return self._product.side(i, dl, dr) > 0.0
 
