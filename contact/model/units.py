@@ -28,11 +28,14 @@ def scaled(magnitude: float, unit: str) -> tuple[float, str]:
     below a thousandth of the smallest multiple. Only multiples that people use are chosen, so that
     the largest of them may leave values above 1000.
 
+    A number without a unit, "1", is not scaled, and the name of its unit is empty.
+
     Examples
     --------
     >>> scaled(2.1e11, "Pa"), scaled(4.0e5, "N/m"), scaled(3e-7, "m")
     ((1e-09, 'GPa'), (0.001, 'N/mm'), (1000000000.0, 'nm'))
     """
+    unit = "" if unit == "1" else unit
     known = _MULTIPLES.get(unit) or {power: letter + unit for power, letter in _PREFIXES.items()}
     if not (unit and math.isfinite(magnitude) and magnitude > 0.0):
         return 1.0, unit and known[0]
@@ -50,7 +53,7 @@ def quantity(value: float | None, unit: str, digits: int = 4, none: str = "not d
     if not math.isfinite(value):
         return "infinite" if value > 0 else str(value)
     factor, name = scaled(abs(value), unit)
-    return f"{rounded(value * factor, digits)} {name}"
+    return f"{rounded(value * factor, digits)} {name}".rstrip()
 
 
 def rounded(value: float, digits: int) -> str:

@@ -80,6 +80,8 @@ class AdhesiveEvent(Event):
     surfaces : ndarray or None
         For a pull-off, just before it: places, the deformed surface and the body above it [m], (3,
         n).
+    error : None
+        Not stated for these events.
 
     Examples
     --------

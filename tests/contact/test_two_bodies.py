@@ -345,7 +345,7 @@ def test_a_scene_file_tells_both_bodies_and_is_written_as_it_was_read(tmp_path) 
     assert (
         said.exit_code == 0
         and "period 200 µm: 2 of profile, 1 of counter" in said.output
-        and "slope = 0.02" in said.output
+        and "slope 0.02," in said.output
     )
     tables = json.loads(CliRunner().invoke(cli.main, ["solve", str(file), "--json"]).output)[
         "scene"

@@ -214,7 +214,9 @@ def test_a_logarithm_just_outside_has_its_own_bounded_density(at):
             / np.sin(theta)
         )
         assert density.at_t(zone, t) == pytest.approx(summed, abs=slow)
-        assert density.at_t(zone, np.array([-1.0, 1.0])) == pytest.approx(0.0, abs=1e-15)
+        # At a logarithm in the very end, the density has a limit that is not zero.
+        limits = np.where(ZONES.table[zone] == at, -0.8, 0.0)
+        assert density.at_t(zone, np.array([-1.0, 1.0])) == pytest.approx(limits, abs=1e-15)
 
 
 @pytest.mark.parametrize(("at", "kernel"), diagonal(OUTSIDE, ["cauchy", "hilbert"]))
