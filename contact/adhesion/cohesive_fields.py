@@ -191,9 +191,9 @@ class CohesiveGapFields(GapFields):
 
     @property
     def borne_beside(self) -> float:  # type: ignore[override]
-        # The energy's integral over the zones contains the pressure q = p + stress. Therefore the
-        # tension is integrated over the whole period here, zones included. The result is -stress
-        # times the integral of (height of the profile - gap).
+        # In the energy, the integral over the zones is that of q = p + stress, so it leaves out the
+        # tension. The tension is therefore integrated over the whole period here: -stress times the
+        # integral of (height of the profile - gap).
         own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
         return -self.stress * self.period * own
 

@@ -59,9 +59,9 @@ class MoveOptions:
     # With more zones than this, the prediction of the residuals takes less time than the steps that
     # it replaces.
     few_zones: int = 8
-    # Relative changes of the adhesion or of the control, tried in ascending order. In an
-    # approximate solution, some ends tend to advance and others to recede. After a change that
-    # exceeds the error of this solution, all ends tend to move the same way.
+    # Relative changes of the adhesion or of the control, tried in ascending order. At an
+    # approximate equilibrium, some ends tend to advance and others to recede. After a change larger
+    # than the error of the equilibrium, all ends tend to move the same way, as the search needs.
     margins: tuple[float, ...] = (0.02, 0.06, 0.2)
 
 

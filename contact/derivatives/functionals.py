@@ -21,8 +21,8 @@ from sie import Array, Index, record
 
 @record
 class Weighted:
-    """Adjoint weights of a number: on the zones, and on zones moved by their stated error.
-    The difference shows the error of the weights.
+    """The adjoint weights of one number of the solution, such as its load. They are computed on the
+    zones and on zones moved by their stated error; the difference shows the error of the weights.
 
     control: weights of the controlled quantity, of which `unsure` times may be missing or too much;
     None if the load is given, or if errors are not asked for.

@@ -42,9 +42,8 @@ class LineLoadOptions:
 
 
 OPTIONS = LineLoadOptions()
-# Number of halvings from the largest wavenumber in WAVES to the smallest. The quadrature panels in
-# the wavenumber q are halved this many times. The panels in the distance r are doubled at most
-# twice as many times.
+# Number of halvings from the largest wavenumber in WAVES to the smallest. There are as many
+# quadrature panels in the wavenumber q, and at most twice as many in the distance r.
 _HALVINGS = int(np.log2(WAVES.max() / WAVES.min()))
 
 

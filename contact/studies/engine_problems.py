@@ -292,7 +292,7 @@ def _end(design: Design, zone: int, side: int, moves: bool) -> sie.End:
 
 
 def _equation(rng: np.random.Generator, design: Design, index: int) -> sie.Equation:
-    """Return the equation of a designed density; the number of its side conditions is `index`."""
+    """Return the equation that a designed density solves, with `index` side conditions."""
     g = np.polynomial.Polynomial(design.polynomial())
     rise, zones = g.integ(), range(len(design.ends))
     kernel = sie.cauchy() if design.period is None else sie.hilbert(design.period)

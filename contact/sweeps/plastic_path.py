@@ -250,7 +250,8 @@ class _Condition:
         return self.values[load][0]
 
     def _check_states(self, fields: PlasticFields) -> None:
-        """Raise WrongTopology if the place has another state than the condition is about.
+        """Raise WrongTopology if the place of the event is in another state (gap, contact or
+        plateau) than this event needs.
 
         Far from the event, Newton's method may move a gap or an elastic interval to it.
         """

@@ -364,7 +364,7 @@ def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen | InPlane, row:
 
 
 def _edge(a: Array, b: Array, from_left: Number, from_right: Number) -> Number:
-    """The value a + b t, computed from 1 + t and 1 - t; with rho in place of t, a + b rho.
+    """The value a + b t, computed from `from_left` = 1 + t and `from_right` = 1 - t.
 
     No digit is lost close to an end where the result vanishes.
     """

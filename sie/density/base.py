@@ -134,7 +134,9 @@ class DensityBase(Kept):
         return nearest_image(x, 0.5 * (self.zones.a[0] + self.zones.b[-1]), self.kernel.period)
 
     def __call__(self, x: ArrayLike) -> Array:
-        """Density at x (any shape); zero at points off the zones and their plateaus."""
+        """Density at x (any shape). It is zero off the zones, except on plateaus beside zones,
+        where it has a given constant value.
+        """
         x, i, inside = self.locate(x)
         out = np.where(np.isnan(x), np.nan, 0.0).astype(self.zones.weight.numbers)
         z, w = i[inside], self.zones.half[i[inside]]

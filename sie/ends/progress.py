@@ -128,8 +128,9 @@ class Progress:
         largest_noise = np.sqrt(2 * np.log(2 + delta.size)) * motion.noise
         at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), largest_noise)
         if zones.have_values:
-            # At a rim (a zone between two different end values), the change of the width must also
-            # be small relative to the width itself, which may be far below the length in `scales`.
+            # A rim is a zone whose density has different given values at its two ends. Its width
+            # may be far below the length in `scales`, so the change of the width must also be small
+            # relative to the width itself.
             wider, own = np.abs(motion.delta.sum(axis=0)), self.tolerance * 4 * zones.half
             at_rest &= ~zones.rims | (wider <= np.maximum(own, largest_noise.sum(axis=0)))
         few_move = bool(np.mean(at_rest) >= 1.0 - fraction)

@@ -113,7 +113,8 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def fine(self) -> tuple[GradedSystem, Array]:
-        """(system with more nodes, its unknowns), so that psi = density * dx/ds itself is resolved.
+        """A system with more nodes, and its unknowns. The nodes resolve psi = density * dx/ds,
+        where the unknowns of the solved system may be psi divided by a power.
 
         Where psi is divided by `Grading.scale` before its series, the scale is singular at the
         distance pi/B from the axis of s, so that psi needs more nodes than the quotient.

@@ -422,7 +422,8 @@ class SlitDensity(DensityBase):
         return np.asarray(self.zones.half[piece] * out)
 
     def _smooth_series(self, piece: int) -> Array:
-        """Coefficients in T_j / X of the density on a given zone, less the logarithms at jumps.
+        """Coefficients in T_j / sqrt(1 - t^2) of the smooth part of the density on a given zone:
+        the density minus the logarithms that jumps of the right side cause.
 
         X = sqrt(1 - t^2), with the coordinate t of the zone.
         """

@@ -553,8 +553,8 @@ class Slits(Kept):
 
     @property
     def mean_of_kinks(self) -> float:
-        """Mean, over the wide zone, of the integral of the known function psi.
-        psi is the part of the unknown function in the slits that jumps inside the slits cause.
+        """Mean, over the wide zone, of the integral of the known function psi. Jumps of the right
+        side inside the slits cause psi, a part of the unknown function there.
         """
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
 

@@ -212,8 +212,8 @@ class Profile(Named, sie.Kept):
 
     @property
     def exact_places(self) -> bool:
-        """Whether `slope` is free of the round-off of x / period.
-        If so, the slope is accurate at the number x itself.
+        """Whether `slope(x)` is accurate for the floating-point number x as given. Otherwise it has
+        the round-off of x / period.
 
         If it is, the product of a wave number and x loses no digit, for example.
         """

@@ -264,8 +264,8 @@ def _compared(
     last = fit[-options.nodes // 2 :].T
     of_heights, of_slopes = (np.abs(part @ last).max(axis=1) for part in (heights, slopes))
     rounded = EPS * (np.abs(heights).max(axis=1) + np.abs(x) * steepest)
-    # If the heights of an interval are all equal, there is no verdict: round-off may hide a change
-    # of the height.
+    # If the heights of an interval are all equal, they are not compared with the slopes: round-off
+    # may hide a change of the height.
     digits = np.sqrt(options.counts)
     tells = (total > 0) & (of_heights <= digits * total) & np.isfinite(discrepancy)
     tells &= rounded <= digits * size

@@ -391,8 +391,8 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
 
     def _carrying(self, load: float, parameter: float) -> _DugdaleState:
         # If the interval a < |x| < c of the tension is wide, the gap at c hardly depends on the
-        # half width a. So the a that was found from this gap is inaccurate. One Newton step in a
-        # corrects the load.
+        # half width `a`. So the half width that was found from this gap is inaccurate. One Newton
+        # step of the half width corrects the load.
         found = self.at(parameter)
         if not isinstance(found, DugdaleZone):
             return found

@@ -162,7 +162,7 @@ class AdhesiveDesign(GivenZones):
         n, ends = len(self.zones), product.zones.ravel()
         if self.period is None:
             # Unlike the distances dl and dr, the position x has a rounding error. This does no
-            # harm, as M is a smooth polynomial.
+            # harm, as the polynomial M (see the head of this file) is smooth.
             half = 2.0 * product._unit
             x = ends[0] - dr if i < 0 else ends[i] + dl
             return chebyshev.chebvander(((x - ends[0]) - (ends[-1] - x)) / (2.0 * half), n - 1)

@@ -104,8 +104,8 @@ class GapForm:
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
             equation = self.equation(Load(mean * self.problem.repeat_length))
-            # `solve_fixed` has no special treatment of narrow gaps in a wide zone (slits).
-            # Equations with kappa, the factor of the unknown itself, are never solved with slits.
+            # `solve_fixed` treats no narrow interval as a slit of a wider zone, which `solve_zones`
+            # may do. Equations with kappa never have slits.
             solve = sie.solve_zones if self.problem.kappa else sie.solve_fixed
             zones = free.density.zones
             state = solve(equation, zones, max(0.1 * tolerance, 3e-16)).with_bounded_ends()
