@@ -481,6 +481,18 @@ def test_limits_are_kept_and_a_contact_that_reaches_them_says_so() -> None:
     assert -1.0 < low < 0.0 < high < 1.0
 
 
+def test_a_search_that_starts_beyond_the_limits_looks_within_them_only() -> None:
+    limits = (0.0, 3.0)
+
+    def known(x: Array) -> Array:
+        return np.where((x >= limits[0]) & (x <= limits[1]), (x - 0.1) ** 2, np.nan)
+
+    window = find_window(
+        known, Response(E, periodic=False), load=1e-4, limits=limits, start=(-0.4, 0.6)
+    )
+    assert limits[0] <= window[0] < 0.1 < window[1] <= limits[1]
+
+
 def test_a_profile_without_a_bottom_is_refused() -> None:
     with pytest.raises(OutOfRange):
         find_window(lambda x: x**3, Response(E, False), load=1.0)

@@ -351,7 +351,7 @@ def find_window(
     if load is None and level is None:
         raise ValueError("a load or a level")
     search = _Window(height, response, limits)
-    window = start or limits or (-1.0, 1.0)
+    window = search._clip(start or limits or (-1.0, 1.0))
     if level is None:
         assert load is not None
         return search.at_load(load, window)[0]
