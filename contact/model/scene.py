@@ -382,7 +382,7 @@ class Scene(sie.Kept):
         require_law(law, self.E_star)
         why = _REFUSES.text(law.refuses, self)
         if why:
-            raise SceneError.of("law", law.name, f"another one: {law.name} {why}")
+            raise SceneError.of("law", law.name, f"one that fits the scene: {law.name} {why}")
 
     def _check_turning(self) -> None:
         if len(self.turning) > 1:

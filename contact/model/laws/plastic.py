@@ -78,6 +78,7 @@ class Plastic(Law):
         if load is not None and width is not None and not load < self.hardness * width:
             return (
                 f"bears less than its hardness of {self.hardness:.6g} Pa on the width of "
-                f"{width:.6g} m, and the scene gives {load / width:.6g} Pa"
+                f"{width:.6g} m, and the scene gives {load / width:.6g} Pa: give a smaller load, "
+                "or a larger hardness"
             )
         return None
