@@ -71,7 +71,8 @@ class Tangential:
                 raise SceneError(
                     f"the moduli of [material] differ (Dundurs' beta = {beta:.4g}), so that shear "
                     "changes the pressure, which is solved for full sliding alone ([law] model = "
-                    "'sliding'): give E_star to leave this out",
+                    "'sliding'): give E2 and nu2 equal to E1 and nu1, or give E_star to leave this "
+                    "out",
                     "material",
                 )
         return cls(**table)

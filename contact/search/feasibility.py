@@ -26,6 +26,10 @@ from sie import Array, Mask
 # Distances [m] from x = 0, far larger than any contact, at which the growth of the profile is
 # tested.
 _DISTANCES = 10.0 ** np.arange(5, 13)
+_UPWARDS = (
+    "height(x) is the gap without load, which grows away from contact (of a body that points "
+    "upwards it is minus the height)"
+)
 _REMEDY = (
     "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, "
     "or a period, of which one cell stands alone"
@@ -155,7 +159,9 @@ def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
         # decade of distance as in the decade before. The factor 10 is the ratio of the widths of
         # two successive decades.
         if np.all(slope < 0) and np.all(10 * slope[1:] < 2 * slope[:-1]):
-            raise OutOfRange(f"the profile{turned} falls without bound on the {side}: {_REMEDY}")
+            raise OutOfRange(
+                f"the profile{turned} falls without bound on the {side}: {_REMEDY}; {_UPWARDS}"
+            )
         if tilt and np.all(np.abs(slope) <= TOLERANCES.rounding * abs(tilt)):
             raise OutOfRange(
                 f"the profile{turned} stands on its own flank on the {side} and does not rise "
@@ -168,7 +174,7 @@ def _refuse_at_any_tilt(right: Array, left: Array) -> None:
     for side, slope in (("right", right), ("left", left)):
         if np.all(slope < 0) and np.all(slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(
-                f"the profile falls without bound on the {side}, at any tilt: {_REMEDY}"
+                f"the profile falls without bound on the {side}, at any tilt: {_REMEDY}; {_UPWARDS}"
             )
     if np.all(right + left <= TOLERANCES.rounding * (np.abs(right) + np.abs(left))):
         raise OutOfRange(f"the profile does not rise on both sides, at any tilt: {_REMEDY}")

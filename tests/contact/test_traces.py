@@ -310,7 +310,7 @@ def test_a_line_is_picked_from_a_map_by_its_number(scan: Path) -> None:
         across.heights, 1e-9 * MAP[:, 2]
     )
     assert up.x == pytest.approx(2e-6 * np.arange(9)) and np.array_equal(up.heights, 1e-9 * MAP[11])
-    assert "line 2 of 9 along x of a map of 12 x 9" in across.history[0]
+    assert "line 2 (of 0 to 8) along x of a map of 12 x 9" in across.history[0]
     refused(scan, "no finite height", line=4)
     assert contact.read_trace(scan, line=4, fill="drop").x.size == 11
 

@@ -175,7 +175,7 @@ def of_map(
     return (
         np.arange(count) * step,
         height,
-        f"line {line} of {most} along {direction} of a map of {nx} x {ny}",
+        f"line {line} (of 0 to {most - 1}) along {direction} of a map of {nx} x {ny}",
     )
 
 

@@ -186,16 +186,19 @@ def refuse_unclear_columns(data: Data) -> None:
         return
     i = next(i for i, row in enumerate(data.cells) if len(row) > numeric[-1])
     choices = [numeric[:wanted], numeric[1 : 1 + wanted]]
+    of_map = wanted == 2 and len(numeric) == 3
+    if of_map:
+        choices.insert(1, [numeric[0], numeric[2]])
     readings = ", or ".join(
         f"columns = {choice} for {' and '.join(shown(names[k]) for k in choice)}"
         for choice in choices
     )
     what = ("the heights", "positions and heights", "x, y and the heights")[wanted - 1]
     row = shown(" | ".join(data.cells[i])).strip("'")
-    unclear = f"{len(numeric)} columns of numbers, {row}: which are {what} is not to be told"
-    cure = f"write {readings}, or as they are, counted from 0"
-    if wanted == 2 and len(numeric) == 3:
-        cure += "; if they are x, y and z of a map, write line, the number of its line"
+    unclear = f"{len(numeric)} columns of numbers, {row}: it is not clear which are {what}"
+    cure = f"write {readings}" if of_map else f"write {readings}, or others, counted from 0"
+    if of_map:
+        cure = f"if they are x, y and z of a map, write line, the number of its line; else {cure}"
     raise at(data.path, data.rows[i][0], f"{unclear}; {cure}")
 
 
@@ -214,7 +217,10 @@ def refuse_sideways(path: Source, rows: list[Row], layouts: list[Layout]) -> Non
                 if len(long) > 1
                 else f"a row of {least} numbers"
             )
-            raise at(path, long[0][1], f"{many}: the table lies on its side; write a point a line")
+            what = f"{many}: the table lies on its side, or is a map of heights"
+            raise at(
+                path, long[0][1], f"{what}; write a point a line: x and z, or x, y and z of a map"
+            )
 
 
 def refuse_count(data: Data) -> None:
