@@ -208,17 +208,21 @@ def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
 def legend_outside(figure: Any, axes: Sequence[Any], side: str = "upper", columns: int = 5) -> None:
     """A legend outside all panels, where it covers no data; it shows each label once.
 
-    side: "upper" or "lower".
+    side: "upper" or "lower". columns: their largest number; there are fewer if the legend would be
+    wider than the figure.
     """
     handles: dict[str, Any] = {}
     for one in axes:
         handles |= dict(zip(*reversed(one.get_legend_handles_labels()), strict=True))
-    if handles:
-        figure.legend(
+    for count in range(min(columns, len(handles)), 0, -1):
+        legend = figure.legend(
             handles.values(),
             handles.keys(),
             loc=f"outside {side} center",
-            ncols=min(columns, len(handles)),
+            ncols=count,
             frameon=False,
             fontsize=9,
         )
+        if count == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()

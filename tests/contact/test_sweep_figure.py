@@ -57,6 +57,18 @@ def test_lines_differ_in_dashes_and_marks_and_are_named_in_one_unit(table):
     assert names == ["amplitude 1 µm", "amplitude 0.2 µm"]
 
 
+def test_a_long_legend_is_within_the_picture():
+    over = {
+        "profile.amplitude": [1e-6, 1.234e-6, 2e-6, 3.3e-6],
+        "control.mean_pressure": [1e7, 1e8, 3e8, 6e8, 1e9],
+    }
+    figure = figures.plot_sweep(contact.sweep(WAVE, over, workers=1), ["approach"])
+    figure.canvas.draw()
+    box = figure.legends[0].get_window_extent()
+    assert len(figure.legends) == 1 and len(figure.legends[0].get_texts()) == 4
+    assert 0 <= box.x0 and box.x1 <= figure.bbox.width
+
+
 def test_words_are_lines_and_points_that_failed_are_missing_and_counted():
     over = {
         "interaction.closure": ["first-order", "self-consistent"],
