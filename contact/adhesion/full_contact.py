@@ -50,7 +50,13 @@ class SnapOptions:
 
 
 _OPTIONS = SnapOptions()
-_SEEN_ON_GRID = "; on a coarse grid it ends in full contact, and was not followed to there"
+_SEEN_ON_GRID = "on a coarse grid it ends in full contact, and was not followed to there"
+
+
+def _note(context: SolveContext) -> None:
+    """Add to the plan that the contact would close, by the coarse grid."""
+    part = context.plan["branch"]
+    part.detail = "; ".join(filter(None, (part.detail, _SEEN_ON_GRID)))
 
 
 @contextmanager
@@ -61,13 +67,13 @@ def closing_foreseen(context: SolveContext, curve: Curve, value: float) -> Itera
     failed.
     """
     if _is_followed_slowly(context) and _closes(context, curve, value, _OPTIONS.work_share):
-        context.plan["branch"].detail += _SEEN_ON_GRID
+        _note(context)
         raise Closed
     try:
         yield
     except (ContactError, *NUMERICAL_ERRORS) as failure:
         if _closes(context, curve, value, 1.0):
-            context.plan["branch"].detail += _SEEN_ON_GRID
+            _note(context)
             raise Closed from failure
         raise
 

@@ -122,7 +122,8 @@ class Plan:
 
     def __str__(self) -> str:
         lines = [
-            f"{'used' if p.used else 'left out':9}{p.name:22}{p.reason} {p.detail}"
+            f"{'used' if p.used else 'left out':9}{p.name:22}"
+            f"{'; '.join(filter(None, (p.reason, p.detail)))}"
             for p in self.parts
         ]
         lines += [
