@@ -21,31 +21,13 @@ from contact.commands.options import (
 from contact.commands.trace import show_profile
 from contact.errors import SceneError
 from contact.model.scene import Scene
-from contact.model.units import headed, quantity
-from contact.solution.report import heading
 from contact.solution.terminal import Progress, show_columns
-from contact.sweeps.adhesive import AdhesivePath
 from contact.sweeps.path import path
-from contact.sweeps.path_table import columns
+from contact.sweeps.path_report import energy_line, event_columns, value_columns
 from contact.sweeps.paths import Path as LoadPath
-from contact.sweeps.points import NUMBERS
 from contact.sweeps.solve_many import solve_many
 from sie import Array
 
-# Columns of the printed table, each with its number of digits. Together they fit into 80
-# characters.
-_SHOWN = {
-    "load": 4,
-    "mean_pressure": 4,
-    "max_pressure": 4,
-    "approach": 4,
-    "contact_fraction": 4,
-    "total_width": 4,
-    "mean_gap": 4,
-    "stiffness": 4,
-    "zone_count": 5,
-    "error": 2,
-}
 # For each control, the option of the command that gives its values.
 _OPTIONS = {"load": "loads", "mean_pressure": "pressures", "approach": "approaches"}
 
@@ -181,36 +163,9 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
 
 def _show(found: LoadPath) -> None:
     show_profile(found.solutions[0].scene.profile)
-    known = columns(found.solutions)
-    shown = {name: digits for name, digits in _SHOWN.items() if not np.isnan(known[name]).all()}
-    if "contact_fraction" in shown:
-        shown.pop("total_width", None)
-    show_columns(
-        "load path",
-        [headed(heading(name), known[name], NUMBERS[name][0], shown[name]) for name in shown],
-        close=True,
-    )
+    show_columns("load path", list(value_columns(found).values()), close=True)
     if found.events:
-        _show_events(found)
-
-
-def _show_events(found: LoadPath) -> None:
-    events = found.events
-    numbers: list[tuple[str, list[float | None], str, int]] = [
-        ("load", [event.load for event in events], "N/m", 10),
-        ("position", [event.position for event in events], "m", 10),
-    ]
-    if isinstance(found, AdhesivePath):
-        numbers.append(
-            ("energy lost", [getattr(event, "lost", None) for event in events], "J/m", 6)
-        )
-    cells = [(head.replace("\n", " "), text) for head, text in (headed(*n) for n in numbers)]
-    table = [
-        ("event", [event.kind for event in events]),
-        *cells,
-        ("zones", [event.change() for event in events]),
-    ]
-    show_columns("events, in the order of the path", table, words=(0, len(table) - 1))
-    if isinstance(found, AdhesivePath) and found.dissipated is not None:
-        work = quantity(found.work, "J/m")
-        click.echo(f"lost in all: {quantity(found.dissipated, 'J/m')}; work of the load: {work}")
+        table = event_columns(found.events)
+        show_columns("events, in the order of the path", table, words=(0, len(table) - 1))
+    if line := energy_line(found):
+        click.echo(line)

@@ -54,6 +54,8 @@ from contact.model.checks import one_of, poisson_ratio
 from contact.model.controls import Quantity
 from contact.model.profiles.sampled import Sampled
 from contact.model.registry import remade
+from contact.model.units import quantity
+from contact.solution.report import label, title
 from contact.solution.solution import Solution
 from contact.sweeps.sweep.keys import MODULUS, tables
 from sie import Array
@@ -115,6 +117,18 @@ class Sensitivity(sie.Kept):
         self._ways: dict[str, list[tuple[Direction, float]]] = {}
         self._known: dict[str, Response] = {}
         self._weighted: dict[tuple[str, tuple[int, ...]], Weighted] = {}
+
+    def __repr__(self) -> str:
+        """The scene, the control with its value, and the names for `of(number, to=key)`."""
+        scene = self.solution.scene
+        name, value = scene.control
+        numbers = [one for one in NUMBERS if getattr(self.solution, one) is not None]
+        numbers += STRESSES if self.stress is not None else ()
+        return (
+            f"<Sensitivity: {title(scene)}, "
+            f"{label(name)} {quantity(value, scene.control_object.unit)}; "
+            f"of {', '.join(numbers)}; to {', '.join(self.keys)}>"
+        )
 
     @property
     def keys(self) -> tuple[str, ...]:

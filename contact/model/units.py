@@ -127,11 +127,13 @@ def with_error(value: float, error: float | None, unit: str, most: int = 10) -> 
     return f"{rounded(value * factor, digits)} {name}".strip(), bound
 
 
-def text_table(columns: Iterable[tuple[str, Sequence[str]]], words: Iterable[int] = (0,)) -> str:
+def text_table(
+    columns: Iterable[tuple[str, Sequence[str]]], words: Iterable[int] = (0,), blanks: int = 2
+) -> str:
     """A table as text, from columns (header, cells).
 
     Headers may have several lines. The columns `words` are aligned to the left, all others to the
-    right.
+    right. blanks: between two columns.
 
     Examples
     --------
@@ -147,4 +149,4 @@ def text_table(columns: Iterable[tuple[str, Sequence[str]]], words: Iterable[int
         lines = [*name.split("\n"), *[""] * (rows - 1 - name.count("\n")), *cells]
         width = max(map(len, lines))
         filled.append([s.ljust(width) if place in left else s.rjust(width) for s in lines])
-    return "\n".join("  ".join(line).rstrip() for line in zip(*filled, strict=True))
+    return "\n".join((" " * blanks).join(line).rstrip() for line in zip(*filled, strict=True))

@@ -1,12 +1,13 @@
 """Quantities of a solution: energies, the pull-off point and the peaks of zones."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from contact.formulation.roots import maximum
 from contact.model.scene import Scene
+from contact.model.units import quantity
 from contact.verify.minima import SAMPLING
 from sie import Array, record
 
@@ -21,7 +22,11 @@ class PullOff:
 
     load: float
     approach: float | None
-    zones: Array = field(repr=False)
+    zones: Array
+
+    def __repr__(self) -> str:
+        load, approach = quantity(self.load, "N/m"), quantity(self.approach, "m")
+        return f"<PullOff: load {load}, approach {approach}, zones: {len(self.zones)}>"
 
 
 @dataclass(frozen=True)

@@ -112,8 +112,11 @@ class AdhesiveEvent(Event):
         before = len(self.before) or ends[self.kind == "open"]
         return f"{before} to {len(self.after) or ends[self.kind == 'full']}"
 
+    def __str__(self) -> str:
+        return f"{super().__str__()}, energy lost: {quantity(self.lost, 'J/m', none='not known')}"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class AdhesivePath(Path):
     """The path of surfaces that adhere, while a control rises and falls.
 

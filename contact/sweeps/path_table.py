@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contact.extras import version
+from contact.model.units import quantity
 from contact.solution.export import csv_of, describe, plain
 from contact.solution.solution import Solution
 from contact.sweeps.points import NUMBERS, numbers
@@ -37,6 +38,8 @@ class Event:
     >>> (event,) = contact.path(pair, [1e5, 1e7]).events
     >>> event.kind, len(event.before), len(event.after)
     ('merge', 2, 1)
+    >>> print(event)
+    merge at 3.927 kN/mm, x = 0 m, zones: 2 to 1
     """
 
     kind: str
@@ -51,6 +54,16 @@ class Event:
         if self.kind in ("onset", "join"):
             return f"plateaus: {len(self.before)} to {len(self.after)}"
         return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
+
+    def __str__(self) -> str:
+        """The event in one line, with units."""
+        load, place, change = (
+            quantity(self.load, "N/m"),
+            quantity(self.position, "m"),
+            self.change(),
+        )
+        zones = change if change.startswith("plateaus") else f"zones: {change}"
+        return f"{self.kind} at {load}, x = {place}, {zones}"
 
 
 Passed = Sequence[Sequence[Event]]

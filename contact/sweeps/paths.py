@@ -86,7 +86,11 @@ OPTIONS = PathOptions()
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
 
 
-@dataclass(frozen=True, eq=False)
+# The module that writes a path as text. It is imported where it is asked for.
+_REPORT = "contact.sweeps.path_report"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Path:
     """Solutions at the given loads and the events between them, in the order of the path.
 
@@ -118,6 +122,15 @@ class Path:
     def loads(self) -> Array:
         """Loads of the solutions (n,) [N/m]."""
         return np.array([solution.load for solution in self.solutions])
+
+    def __str__(self) -> str:
+        """The numbers at each load and the events, as tables with units."""
+        text: str = require(_REPORT).report(self)
+        return text
+
+    def __repr__(self) -> str:
+        text: str = require(_REPORT).summary(self)
+        return text
 
     def plot(self, ax: Any = None) -> Any:
         """Draw contact and approach over the load, with the events marked.
@@ -306,7 +319,7 @@ class PathSearch:
                 if min(known.values()) < 0.0 < max(known.values()):
                     root = smooth_root(condition, known)
                     return Event(
-                        change.kind, root * load, condition.position, low.zones, high.zones
+                        change.kind, float(root * load), condition.position, low.zones, high.zones
                     )
         except WrongTopology:
             pass

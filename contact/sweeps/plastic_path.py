@@ -208,17 +208,18 @@ def _located(change: Change, low: Solution, high: Solution) -> Event | None:
         root = smooth_root(condition, known)
     except (WrongTopology, RuntimeError):
         return None
-    error = condition.error_at(root)
-    return Event(change.kind, root, condition.position, *tables, error=error)
+    error = float(condition.error_at(root))
+    return Event(change.kind, float(root), condition.position, *tables, error=error)
 
 
 def _onset_in_full_contact(low: Solution, high: Solution) -> Event:
     """The first plateau in full contact, whose pressure rises evenly with the load."""
     assert low.scene.period is not None
-    load = low.load + (low.scene.law.pressure_range.highest - low.max_pressure) * low.scene.period
+    rise = low.scene.law.pressure_range.highest - low.max_pressure
+    load = float(low.load + rise * low.scene.period)
     x = np.linspace(high.plateaus[0, 0], high.plateaus[0, 1], 33)
     place, _ = maximum(lambda points: np.asarray(low.pressure(points)), x, peaks=1)
-    error = low.error * low.max_pressure * low.scene.period / load
+    error = float(low.error * low.max_pressure * low.scene.period / load)
     position = float(low.scene.profile.wrap(np.array(place)))
     return Event("onset", load, position, low.plateaus, high.plateaus, error=error)
 

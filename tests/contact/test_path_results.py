@@ -7,7 +7,8 @@ from __future__ import annotations
 import csv
 import io
 import json
-from functools import lru_cache
+from dataclasses import replace
+from functools import cache, lru_cache
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from click.testing import CliRunner
 import contact
 from contact.commands import cli
 from contact.sweeps.path_plot import plot_path
+from contact.sweeps.path_report import value_columns
 from contact.sweeps.path_table import Event
 from contact.sweeps.points import NUMBERS, numbers
 
@@ -260,3 +262,63 @@ def test_mean_pressures_and_approaches_stand_in_place_of_loads_and_exactly_one_o
     ):  # fmt: skip
         refused = run(text, *arguments)
         assert refused.exit_code == 2 and told in refused.stderr and refused.stderr.count("\n") == 1
+
+
+STICKY = contact.Scene(
+    contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), law=contact.JKR(0.05), load=0.0
+)
+PATHS = {
+    "pair": lambda: loop("pair"),
+    "wave": lambda: loop("wave"),
+    "plastic": lambda: contact.path(
+        replace(WAVE, E_star=1e9, law=contact.Plastic(2e7)), [1e4, 1e7, 1.5e7]
+    ),
+    "load": lambda: contact.path(STICKY, [-200.0, 500.0, -200.0]),
+    "mean_pressure": lambda: contact.path(STICKY, [-2e6, 5e6, -2e6], control="mean_pressure"),
+    "approach": lambda: contact.path(STICKY, [-1e-6, 1e-7, -1e-6], control="approach"),
+    "spring": lambda: contact.path(
+        STICKY, [-1.2345e-6, 1e-7, -1e-6], control="approach", stiffness=1e9
+    ),
+}
+
+
+@cache
+def printed(name):
+    return PATHS[name]()
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_a_path_prints_a_row_for_each_value_and_each_event_in_80_columns(name):
+    found = printed(name)
+    lines = str(found).splitlines()
+    assert max(map(len, lines)) <= 80
+    values, events = "\n".join(lines[2:]).split("\n\n")
+    rows = [line.split() for line in values.splitlines() if line.split()[0][-1].isdigit()]
+    zones = ["full" if s.contact_fraction else "apart" for s in found.solutions]
+    zones = [str(len(s.zones) or text) for s, text in zip(found.solutions, zones, strict=True)]
+    assert [row[-2] for row in rows] == zones
+    kinds = [line.split()[0] for line in events.splitlines()[1:] if "lost in all" not in line]
+    assert kinds == [event.kind for event in found.events] != []
+    assert len(repr(found)) < 120 and str(len(found.solutions)) in repr(found)
+
+
+@pytest.mark.parametrize("name", ["load", "mean_pressure", "approach", "spring"])
+def test_separated_surfaces_are_named_and_the_given_value_is_in_their_row(name):
+    found = printed(name)
+    table = value_columns(found)
+    header, cells = table["far_end" if name == "spring" else name]
+    given, zones = np.array(cells, dtype=float), table["zone_count"][1]
+    assert given == pytest.approx(found.values * given[0] / found.values[0], rel=1e-3)
+    assert zones[0] == zones[-1] == "apart" and zones[1] == "1" and "[" in header
+
+
+def test_an_event_prints_in_one_line_with_units_and_has_plain_numbers():
+    for name in PATHS:
+        for event in printed(name).events:
+            (line,) = str(event).splitlines()
+            assert line.startswith(f"{event.kind} at ") and event.change() in line
+            assert "N/m" in line and (getattr(event, "lost", None) is None or "J/m" in line)
+            assert type(event.load) is type(event.position) is float
+            assert event.error is None or type(event.error) is float
+    last = printed("load").solutions[1].pull_off
+    assert "N/m" in repr(last) and "0x" not in repr(last)

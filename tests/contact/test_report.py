@@ -102,3 +102,20 @@ def test_values_have_the_digits_that_their_errors_allow():
 def test_a_text_table_aligns_words_left_and_numbers_right():
     table = text_table([("name\nof it", ["a", "long"]), ("value", ["1", "100"])])
     assert table == "name   value\nof it\na          1\nlong     100"
+
+
+def test_a_plan_parts_a_reason_from_its_detail():
+    plan = contact.solve(SCENES["zones"]).plan
+    lines = str(plan).splitlines()
+    for part, line in zip(plan.parts, lines[: len(plan.parts)], strict=True):
+        assert line.endswith(f"{part.reason}; {part.detail}" if part.detail else part.reason)
+    assert any(part.detail for part in plan.parts)
+
+
+@pytest.mark.parametrize("name", ["closed form", "zones", "half width", "JKR"])
+def test_derivatives_name_their_scene_its_control_and_their_numbers(name):
+    by = contact.sensitivity(contact.solve(SCENES[name]))
+    text, (control, _) = repr(by), by.solution.scene.control
+    assert report.title(by.solution.scene) in text and report.label(control) in text
+    assert all(key in text for key in by.keys) and "max_pressure" in text
+    assert ("mean_pressure" in text) == (by.solution.mean_pressure is not None)
