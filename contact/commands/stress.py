@@ -92,6 +92,8 @@ def _show(report: StressReport) -> None:
         load = with_error(found.load, found.error * found.load, "N/m")
         rows += [("first yield at the load", *load), *_place(found.x, found.y)]
         rows += [("  since there is", found.note, "")] if found.note else []
+    if report.not_found:
+        rows += [("first yield", "not found", "-"), ("  because", report.not_found, "")]
     show_table("stresses in body 1", HEADS, rows, numeric=(1, 2))
 
 

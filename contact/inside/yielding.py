@@ -1,7 +1,8 @@
 """First yield: the load and the place at which the equivalent stress first reaches the strength.
 
 The largest equivalent stress (`largest.py`) is brought to the strength by changes of the scene's
-control: a bracket first, then regula falsi in the logarithms of both.
+control: a bracket first, then regula falsi in the logarithms of both. Under a limit of the pressure
+the largest stress may fall again as the load grows, so the bracket is sought from small loads up.
 """
 
 from collections.abc import Callable
@@ -10,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from contact.errors import OutOfRange, SceneError
+from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.inside.largest import OPTIONS as LARGEST
 from contact.inside.largest import Body, Criterion, Peak, largest
-from contact.inside.stress import LATERAL
+from contact.inside.stress import LATERAL, Stress
 from contact.model.checks import one_of, poisson_ratio, positive
+from contact.model.scene import Scene
 
 CRITERIA = ("mises", "tresca")
 
@@ -79,20 +81,37 @@ def first_yield(
 ) -> Yield:
     """Find the load of first yield by changing the value of the scene's control.
 
-    at: the solution under another value of the control.
+    at: the solution under another value of the control (`changed_control`).
     """
-    positive("strength", strength)
-    one_of("criterion", criterion.name, CRITERIA)
-    poisson_ratio("nu", criterion.nu)
-    one_of("lateral", criterion.lateral, LATERAL)
+    check(strength, criterion)
+    search = _Search(at, strength, criterion)
+    if limited(body.scene):
+        return search.from_below(body)
     value = body.scene.control[1]
     if value <= 0:
         raise SceneError.of(
             body.scene.control[0], value, "above 0: first yield is found by raising it"
         )
-    search = _Search(at, strength, criterion)
     search.add(value, body)
     return search.run()
+
+
+def check(strength: float, criterion: Criterion) -> None:
+    """Raise SceneError if the strength or a part of the criterion is not what it must be."""
+    positive("strength", strength)
+    one_of("criterion", criterion.name, CRITERIA)
+    poisson_ratio("nu", criterion.nu)
+    one_of("lateral", criterion.lateral, LATERAL)
+
+
+def limited(scene: Scene) -> bool:
+    """Whether the law of the scene limits the pressure."""
+    return bool(np.isfinite(scene.law.pressure_range.highest))
+
+
+def changed_control(scene: Scene) -> str:
+    """Name of the control that the search changes: the load under a limit of the pressure."""
+    return "load" if limited(scene) else scene.control[0]
 
 
 # A trial of the search: ln(control), ln(largest stress / strength), the contact, and its `Peak`
@@ -155,6 +174,102 @@ class _Search:
             last = new
         return self._within()
 
+    def from_below(self, body: Body) -> Yield:
+        """First yield under a limit of the pressure, sought from small loads up."""
+        highest = body.scene.law.pressure_range.highest
+        support = body.scene.profile.support
+        if support is not None:
+            reached = highest * _at_corner(self.criterion)
+            if reached >= self.strength:
+                return Yield(0.0, support[0], 0.0, 0.0, _BLUNTED)
+            raise SceneError.of(
+                "strength",
+                self.strength,
+                f"at most {reached:.4g} Pa, the stress at the sharp corners under any load",
+            )
+        point = self._start(body)
+        if point[1] >= 0:
+            if point[2].max_pressure <= 0.5 * highest:
+                return self.run()  # elastic: the largest stress grows with the load
+            return Yield(0.0, point[3].x, point[3].y, 0.0, _BLUNTED)
+        most = highest * _width(body.scene)
+        # The last loads are far above the given one, or near the largest that the body bears;
+        # the message names the last.
+        end = min(most, OPTIONS.max_ratio**2 * max(body.load, point[2].load))
+        points, load = [point], point[2].load
+        while load < end and most - load > load / OPTIONS.max_ratio**3:
+            load += 0.5 * min(load, most - load)
+            new = self._trial(float(np.log(load)))
+            if new is None:
+                break
+            points.append(new)
+            if _may_reach(points[-3:]):
+                top = self._top(points[-3:])
+                if top[1] >= 0:
+                    return self._between(points[-3], top)
+            if new[1] >= 0:
+                return self._between(points[-2], new)
+        best = int(np.argmax([one[1] for one in points]))
+        top = points[best]
+        if 0 < best < len(points) - 1:
+            top = self._top(points[best - 1 : best + 2])
+            if top[1] >= 0:
+                return self._between(points[best - 1], top)
+        raise OutOfRange(
+            f"no yield: under no load up to {points[-1][2].load:.6g} N/m does the stress reach the "
+            f"strength; the largest is {top[3].stress:.4g} Pa, under {top[2].load:.4g} N/m"
+        )
+
+    def _between(self, below: Point, above: Point) -> Yield:
+        self.below, self.above, self.solves = below, above, 0
+        return self._within()
+
+    def _start(self, body: Body) -> Point:
+        """A contact with a largest pressure below half of the limit, if there is one.
+
+        It is elastic, and so are those under smaller loads. At a sharp corner or tip the pressure
+        is at the limit under any load: there it is the contact under the least load.
+        """
+        half = 0.5 * body.scene.law.pressure_range.highest
+        point, step = self.add(body.load, body), float(np.log(OPTIONS.max_ratio))
+        least = point[0] + np.log(OPTIONS.least_ratio)
+        while point[2].max_pressure > half and point[0] > least:
+            point = self.solve(point[0] - step)
+        most = np.log(half * _width(body.scene))
+        while point[1] < 0 and point[2].max_pressure <= half and point[0] + step < most:
+            new = self._trial(point[0] + step)
+            if new is None or new[2].max_pressure > half:
+                break
+            point = new
+        self.below, self.above = (point, None) if point[1] < 0 else (None, point)
+        return point
+
+    def _trial(self, level: float) -> Point | None:
+        """The contact under a load; None if there is none, or none is found."""
+        try:
+            return self.solve(level)
+        except (NotConverged, OutOfRange):
+            return None
+
+    def _top(self, points: list[Point]) -> Point:
+        """The largest stress around the middle one of three points, by golden sections.
+
+        The search ends where the strength is reached.
+        """
+        low, middle, high = points
+        while middle[1] < 0 and middle[1] - min(low[1], high[1]) > 1e-6:
+            side = low if middle[0] - low[0] > high[0] - middle[0] else high
+            new = self._trial(middle[0] + 0.5 * (3 - 5**0.5) * (side[0] - middle[0]))
+            if new is None:
+                break
+            inner, outer = (middle, new) if new[1] < middle[1] else (new, middle)
+            if side is low:
+                low, high = (outer, high) if inner is middle else (low, outer)
+            else:
+                low, high = (low, outer) if inner is middle else (outer, high)
+            middle = inner
+        return middle
+
     def _within(self) -> Yield:
         """Load of first yield within the bracket, by regula falsi with the Illinois weights."""
         assert self.below is not None and self.above is not None
@@ -210,6 +325,39 @@ def _rate(one: Point, other: Point) -> float:
 _NOTE = (
     "a sharp corner, a sharp tip or an adhesive end, where the stress is infinite under any load"
 )
+
+
+def _may_reach(points: list[Point]) -> bool:
+    """Whether a concave curve through three points may reach the strength near the middle one.
+
+    The middle one must have the largest stress.
+    """
+    if len(points) < 3 or points[1][1] < max(points[0][1], points[2][1]):
+        return False
+    low, middle, high = points
+    left, right = middle[0] - low[0], high[0] - middle[0]
+    rise, fall = middle[1] - low[1], middle[1] - high[1]
+    return middle[1] + max(rise * right / left, fall * left / right) >= 0
+
+
+_BLUNTED = "a sharp corner or tip, where the pressure is at its limit under any load"
+
+
+def _width(scene: Scene) -> float:
+    """The width [m] that can bear the limit of the pressure; inf without a period."""
+    return float(scene.period or np.inf)
+
+
+def _at_corner(criterion: Criterion) -> float:
+    """Largest equivalent stress next to a sharp corner at which the pressure jumps from 1 to 0.
+
+    Uniform pressure on a half line causes these stresses at the angle `angle` to the free surface.
+    """
+    angle = np.linspace(0.0, np.pi, 2001)
+    plane, turned = angle / np.pi, np.sin(2 * angle) / (2 * np.pi)
+    shear, none = np.sin(angle) ** 2 / np.pi, np.zeros(len(angle))
+    stress = Stress(-plane - turned, -plane + turned, shear, none)
+    return float(criterion.of(stress).max())
 
 
 def infinite_at(body: Body) -> float | None:

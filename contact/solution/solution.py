@@ -410,7 +410,8 @@ class Solution(sie.Kept):
         OutOfRange
             If no value of the control reaches the strength.
         """
-        yielding, control = require(_YIELDING), self.scene.control[0]
+        yielding = require(_YIELDING)
+        control = yielding.changed_control(self.scene)
         curve = require("contact.sweeps.curve").Curve(self.scene, control, tol)
         rule = yielding.Criterion(criterion, nu, lateral)
         with unwarned():

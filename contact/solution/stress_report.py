@@ -2,16 +2,17 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
+from contact.errors import ContactError
 from contact.extras import require, version
 from contact.inside.largest import Criterion, Peak, largest
 from contact.inside.stress import Stress
-from contact.inside.yielding import Yield, infinite_at
+from contact.inside.yielding import Yield, check, infinite_at
 from contact.solution.export import describe, new_file, plain
 from contact.solution.sampling import window
 from contact.solution.solution import Solution
@@ -23,7 +24,8 @@ class StressReport:
     """The largest stresses of a solution and, if a strength is given, its first yield.
 
     nu: Poisson's ratio. shear, mises: the largest shear stress in the plane and the largest von
-    Mises stress, None where the stress is infinite at `infinite` [m]. yields: first yield.
+    Mises stress, None where the stress is infinite at `infinite` [m]. yields: first yield;
+    not_found: why it was not found, or "".
     """
 
     solution: Solution
@@ -35,13 +37,15 @@ class StressReport:
     strength: float | None = None
     criterion: str = "mises"
     yields: Yield | None = None
+    not_found: str = ""
 
     def to_dict(self) -> dict[str, Any]:
         """The largest stresses and the first yield as a dictionary that JSON can represent."""
-        found = self.yields
-        first = None
-        if found is not None:
-            first = {name: getattr(found, name) for name in ("load", "x", "y", "error", "note")}
+        first: dict[str, Any] | None = None
+        if self.strength is not None:
+            names = ("load", "x", "y", "error", "note")
+            first = {name: getattr(self.yields, name, None) for name in names}
+            first["note"] = first["note"] or self.not_found
             first |= {"strength": self.strength, "criterion": self.criterion}
         values = {
             "load": self.solution.load,
@@ -74,13 +78,20 @@ def stress_report(
 ) -> StressReport:
     """The largest stresses of a solution, and first yield if a strength [Pa] is given."""
     solution.stress(0.0, 1.0, lateral, nu)  # refuses bodies and names before the search
+    if strength is not None:
+        check(strength, Criterion(criterion, nu, lateral))
     infinite = infinite_at(solution)
     shear, mises = (
         None if infinite is not None else largest(solution, Criterion(name, nu, lateral))
         for name in ("shear", "mises")
     )
-    yields = None if strength is None else solution.first_yield(strength, nu, criterion, lateral)
-    return StressReport(solution, nu, lateral, shear, mises, infinite, strength, criterion, yields)
+    report = StressReport(solution, nu, lateral, shear, mises, infinite, strength, criterion)
+    if strength is None:
+        return report
+    try:
+        return replace(report, yields=solution.first_yield(strength, nu, criterion, lateral))
+    except ContactError as error:
+        return replace(report, not_found=str(error))
 
 
 def grid(

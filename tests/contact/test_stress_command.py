@@ -56,6 +56,23 @@ def test_the_command_says_where_a_cylinder_is_stressed_most_and_yields(scene):
     assert "first yield at the load" in printed.stdout
 
 
+def test_the_stresses_are_printed_also_where_there_is_no_first_yield(tmp_path):
+    path = tmp_path / "scene.toml"
+    shape = SCENE.replace('"parabola"', '"sinusoid"').replace("radius = 1.0", "amplitude = 1e-6")
+    shape = shape.replace("[material]", "period = 1e-4\n[material]").replace("isolated", "periodic")
+    path.write_text(shape)
+    out = tmp_path / "out.json"
+    arguments = ("stress", str(path), "--nu", "0.5", "--strength", "5e7", "--save", str(out))
+    printed = run(*arguments, "--plot", str(tmp_path / "out.png"))
+    assert printed.exit_code == 0
+    assert "largest shear stress" in printed.stdout and "not found" in printed.stdout
+    for text in (run(*arguments[:-2], "--json").stdout, out.read_text()):
+        found = json.loads(text)
+        assert found["largest_mises"]["stress"] > 0
+        assert found["first_yield"]["load"] is None
+        assert "no longer grows" in found["first_yield"]["note"]
+
+
 @pytest.mark.slow
 def test_stresses_are_written_as_netcdf(scene, tmp_path):
     xarray = pytest.importorskip("xarray")

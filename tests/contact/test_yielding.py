@@ -157,3 +157,42 @@ def test_wrong_numbers_are_refused_by_name():
     ):
         with pytest.raises(contact.SceneError, match=name):
             solution.first_yield(*arguments)
+
+
+def under_a_limit(pressure, profile=WAVE):
+    law = contact.Plastic(2.4e7)
+    return contact.solve(contact.Scene(profile, E, PERIODIC, law=law, mean_pressure=pressure))
+
+
+@pytest.mark.parametrize("strength", quick([1.2e7, 1.36e7], [1.36e7]))
+def test_first_yield_under_a_limit_of_the_pressure_is_the_least_load_from_any_start(strength):
+    # Up to 1.3e7 Pa of mean pressure the largest stress grows with the load; then it falls.
+    found = [under_a_limit(start).first_yield(strength, 0.3) for start in (1e5, 2.2e7)]
+    for one in found:
+        assert one.load == pytest.approx(found[0].load, rel=found[0].error + one.error)
+    rule = Criterion("mises", 0.3, "as loaded")
+    for part in (0.25, 0.5, 0.9, 0.99):
+        assert largest(under_a_limit(part * found[0].load / 1e-4), rule).stress < strength
+    assert largest(found[0].solution, rule).stress == pytest.approx(strength, rel=1e-9)
+
+
+def test_below_the_hardness_first_yield_is_the_elastic_one_and_a_larger_strength_has_a_larger_load():
+    elastic = contact.solve(contact.Scene(WAVE, E, PERIODIC, mean_pressure=1e6))
+    strengths = (5e6, 1.2e7, 1.366e7)
+    loads = [under_a_limit(2.2e7).first_yield(one, 0.3).load for one in strengths]
+    assert loads[0] == pytest.approx(elastic.first_yield(5e6, 0.3).load, rel=1e-9)
+    assert np.all(np.diff(loads) > 0)
+
+
+def test_a_strength_above_every_stress_under_a_limit_of_the_pressure_is_said_to_be_out_of_range():
+    with pytest.raises(contact.OutOfRange, match=r"the largest is 1.367e\+07 Pa, under 119"):
+        under_a_limit(2.2e7).first_yield(2e7, 0.3)
+
+
+def test_sharp_corners_at_the_hardness_yield_under_any_load():
+    # Next to a step of the pressure from H to 0, the largest shear stress is H / pi.
+    punch = under_a_limit(5e6, contact.Flat(4e-5, 1e-4))
+    found = punch.first_yield(0.999 * 2.4e7 / np.pi, 0.3, "tresca")
+    assert found.load == 0.0 and "any load" in found.note
+    with pytest.raises(contact.SceneError, match="sharp corners"):
+        punch.first_yield(1.001 * 2.4e7 / np.pi, 0.3, "tresca")
