@@ -196,11 +196,12 @@ class _Search:
         # The last loads are far above the given one, or near the largest that the body bears;
         # the message names the last.
         end = min(most, OPTIONS.max_ratio**2 * max(body.load, point[2].load))
-        points, load = [point], point[2].load
+        points, load, ended = [point], point[2].load, ""
         while load < end and most - load > load / OPTIONS.max_ratio**3:
             load += 0.5 * min(load, most - load)
             new = self._trial(float(np.log(load)))
             if new is None:
+                ended = f"; no contact was found under {load:.6g} N/m, and no larger load was tried"
                 break
             points.append(new)
             if _may_reach(points[-3:]):
@@ -217,7 +218,7 @@ class _Search:
                 return self._between(points[best - 1], top)
         raise OutOfRange(
             f"no yield: under no load up to {points[-1][2].load:.6g} N/m does the stress reach the "
-            f"strength; the largest is {top[3].stress:.4g} Pa, under {top[2].load:.4g} N/m"
+            f"strength; the largest is {top[3].stress:.4g} Pa, under {top[2].load:.4g} N/m{ended}"
         )
 
     def _between(self, below: Point, above: Point) -> Yield:
