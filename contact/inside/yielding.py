@@ -179,23 +179,18 @@ class _Search:
         highest = body.scene.law.pressure_range.highest
         support = body.scene.profile.support
         if support is not None:
-            reached = highest * _at_corner(self.criterion)
-            if reached >= self.strength:
-                return Yield(0.0, support[0], 0.0, 0.0, _BLUNTED)
-            raise SceneError.of(
-                "strength",
-                self.strength,
-                f"at most {reached:.4g} Pa, the stress at the sharp corners under any load",
-            )
+            return self._cornered(support[0], highest * _at_corner(self.criterion))
         point = self._start(body)
         if point[1] >= 0:
             if point[2].max_pressure <= 0.5 * highest:
                 return self.run()  # elastic: the largest stress grows with the load
             return Yield(0.0, point[3].x, point[3].y, 0.0, _BLUNTED)
         most = highest * _width(body.scene)
-        # The last loads are far above the given one, or near the largest that the body bears;
-        # the message names the last.
-        end = min(most, OPTIONS.max_ratio**2 * max(body.load, point[2].load))
+        # The last load tried is near the largest that the body bears. Without a period there is no
+        # such load: then it is far above the given one.
+        end = most
+        if np.isinf(most):
+            end = OPTIONS.max_ratio**2 * max(body.load, point[2].load)
         points, load, ended = [point], point[2].load, ""
         while load < end and most - load > load / OPTIONS.max_ratio**3:
             load += 0.5 * min(load, most - load)
@@ -219,6 +214,16 @@ class _Search:
         raise OutOfRange(
             f"no yield: under no load up to {points[-1][2].load:.6g} N/m does the stress reach the "
             f"strength; the largest is {top[3].stress:.4g} Pa, under {top[2].load:.4g} N/m{ended}"
+        )
+
+    def _cornered(self, x: float, reached: float) -> Yield:
+        """First yield of a punch with a sharp corner at x, where the stress is always `reached`."""
+        if reached >= self.strength:
+            return Yield(0.0, x, 0.0, 0.0, _BLUNTED)
+        raise SceneError.of(
+            "strength",
+            self.strength,
+            f"at most {reached:.4g} Pa, the stress at the sharp corners under any load",
         )
 
     def _between(self, below: Point, above: Point) -> Yield:
