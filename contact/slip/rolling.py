@@ -254,7 +254,7 @@ class Rolling:
         return sie.Equation(self.problem.kernel, self.problem.forcing, (condition,), (column,))
 
     def _near(self, equation: sie.Equation, widths: Array) -> tuple[sie.Free, Array] | None:
-        """(stick zones found from the guess `widths`, widths of these zones); None if not converged.
+        """(stick zones found from the guess `widths`, their widths); None if not converged.
 
         Zones in which nothing sticks vanish in the search and get the width 0; those in which the
         slip would then have the wrong sign are added again.

@@ -60,7 +60,8 @@ def in_threads(loop: Callable[..., None], starts: Index, *arguments: Any) -> Non
     The items are sums of different lengths.
 
     starts (n + 1,): number of terms before each of the n items, and of all terms. The parts have
-    about the same number of terms, and at least `TERMS_PER_THREAD`. A loop writes to its own items only.
+    about the same number of terms, and at least `TERMS_PER_THREAD`. A loop writes to its own items
+    only.
     """
     count = max(1, min(threads(), int(starts[-1]) // TERMS_PER_THREAD))
     inner = np.searchsorted(starts, np.linspace(0, starts[-1], count + 1)[1:-1])
