@@ -366,8 +366,9 @@ def first_radius(
     radii; a smaller one only costs time.
     """
     a = 1e-3 * scale
-    # The first radius `a` is halved until 0 <= growing(a) < target. A negative value is round-off,
-    # which occurs at small radii if a steep flank begins far out.
+    # The first radius `a` is halved until 0 <= growing(a) < target, where `growing` is the quantity
+    # that grows with the radius. A negative value is round-off, which occurs if a steep flank
+    # begins far out.
     while not 0.0 <= growing(a) < target and a >= 1e-60 * scale:
         a *= 0.5
     last = growing(a)

@@ -330,8 +330,8 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
         if room(kinds, radii + steps) < 0.25 * room(kinds, radii):
             steps *= 0.5
         radii = radii + steps
-        # The spots are about to merge. The room between them is so small that its square roots have
-        # lost half of their digits.
+        # The spots are about to merge. The room between them is below the square root of round-off,
+        # so that the kernel's square root of the room has lost half of its digits.
         if room(kinds, radii) < sqrt(EPS):
             raise OutOfRange(
                 "out of range: the spots would grow into their neighbours before this is reached"

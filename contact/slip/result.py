@@ -134,8 +134,8 @@ class Slip(sie.Kept):
             out = self._summed(x)
         corner = np.isnan(out)
         if corner.any():
-            # At a corner infinite terms of opposite signs meet. Their sum has the sign that it has
-            # beside the corner; on one side it is 0.
+            # At a corner infinite terms of opposite signs meet. Their sum has the same sign as
+            # beside the corner, on the side of the zone. On the other side the sum is 0.
             away = 1e-9 * float(self.solution.zone_widths.min())
             beside = self._summed(x[corner] - away) + self._summed(x[corner] + away)
             out[corner] = np.copysign(np.inf, beside)

@@ -167,7 +167,8 @@ def label_of(show: str, top: float) -> str:
 def draw_stress(
     axes: Any, report: StressReport, show: str, field: Field, frame: tuple[Column, float]
 ) -> Any:
-    """Draw the stresses in a column whose highest contour is given; returns the filled contours.
+    """Draw the stresses in one column of the figure. `frame` has the column and its highest
+    contour. Returns the filled contours.
 
     None for fringes.
     """

@@ -501,8 +501,9 @@ class _PathRun:
         load_after, approach_after, energy_after, zones_after = self._state(jump.after)
         by_load = self.curve.control.load is not None
         if jump.kind == "pull-off" and by_load and approach is not None:
-            # A prescribed load does not determine the approach after pull-off. `approach_after` is
-            # the approach at which the surfaces separate under a prescribed approach.
+            # If the load is prescribed, it does not determine the approach after pull-off.
+            # `approach_after` is then the approach at which the same surfaces would separate if the
+            # approach were prescribed.
             assert jump.before.point is not None
             apart = self.by.separation(jump.before.point)
             approach_after = None if apart is None else float(-apart.level * units.height)

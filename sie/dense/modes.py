@@ -87,7 +87,8 @@ def enough(kernel: Kernel, tolerance: float) -> float:
 
 @record
 class Growth:
-    """Last coefficients of the other zones' field on each zone, for growing numbers of modes.
+    """How the last coefficients, on each zone, of the field of the other zones fall as the number
+    of modes grows. They show how many modes are needed.
 
     m: numbers of modes of the last solution (Z,); tails: sizes of the field's last coefficients
     with the last three numbers of modes, the newest last (3, Z); floor: noise of a user's

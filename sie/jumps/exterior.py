@@ -45,7 +45,8 @@ class ExteriorLogarithms(PerZone):
     def near(
         cls, zones: Zones, at: Array, weights: Array, period: float | None
     ) -> "ExteriorLogarithms":
-        """Select the logarithms that lie outside a zone but close to it.
+        """Select the logarithms of the right side whose positions lie outside a zone but close to
+        it.
 
         at: their positions, repeated with the period; weights: their factors J/pi.
         """

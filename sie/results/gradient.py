@@ -175,7 +175,9 @@ class Adjoint:
         return _Adjoint(rows, outward.reshape(s.shape), lack)
 
     def of(self, functional: Functional) -> tuple[_Adjoint, float]:
-        """(derivatives of a functional by the data, derivative by the end condition's value)."""
+        """Derivatives of a functional by the data of the problem, and by the value of the condition
+        on the ends.
+        """
         state, zones = self.state, self.zones
         q = np.einsum("ab,abn->n", functional.intensities, self.intensities)
         s = functional.intensities.ravel() @ self.own

@@ -165,7 +165,8 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A at both ends of each zone: A d^(1 - p) is a term of the density.
+        """Edge slopes A at both ends of each zone. At the distance d from an end with the exponent
+        p, the density is K d^(-p) + A d^(1 - p).
 
         d is the distance from the end, p is `zones.weight.exponent`, and the density's leading term
         is K d^(-p).

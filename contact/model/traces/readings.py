@@ -224,7 +224,8 @@ def refuse_sideways(path: Source, rows: list[Row], layouts: list[Layout]) -> Non
 
 
 def refuse_count(data: Data) -> None:
-    """Refuse a number of points in one of the first rows: it would be read as a point.
+    """Refuse a row that holds the number of points, near the head of the table. It would be read as
+    a point.
 
     It is a whole number that equals the number of rows below it (in a long table, also below the
     next two rows). Evenly spaced positions such as 11, 10, 9 are accepted.

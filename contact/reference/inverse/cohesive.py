@@ -245,7 +245,8 @@ class CohesiveDesign:
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
-        """(part from the polynomial M, part from the tension) of the slope of the gap at points t.
+        """The two parts of the slope of the gap at points t: from the polynomial M of the design
+        (see the head of this file), and from the tension.
 
         The first part has one column for each coefficient of M. The artanh of the strips in this
         gap is left out; `_gap_parts` integrates it.

@@ -11,7 +11,8 @@ import sie
 from contact.errors import NotConverged, OutOfRange
 from sie import Array, record
 
-# Advice that is part of every error message about the strip of a localized model.
+# Advice in every error message about the strip of a localized model. The strip is the part of the
+# surface that such a model solves exactly.
 EXACT = "interaction = Periodic() needs no strip"
 
 
