@@ -16,6 +16,7 @@ from contact.inside.largest import OPTIONS as LARGEST
 from contact.inside.largest import Body, Criterion, Peak, largest
 from contact.inside.stress import LATERAL, Stress
 from contact.model.checks import one_of, poisson_ratio, positive
+from contact.model.laws.plastic import bearing_width
 from contact.model.scene import Scene
 
 CRITERIA = ("mises", "tresca")
@@ -85,7 +86,7 @@ def first_yield(
     """
     check(strength, criterion)
     search = _Search(at, strength, criterion)
-    if limited(body.scene):
+    if body.scene.law.pressure_range.has_limit:
         return search.from_below(body)
     value = body.scene.control[1]
     if value <= 0:
@@ -104,14 +105,9 @@ def check(strength: float, criterion: Criterion) -> None:
     one_of("lateral", criterion.lateral, LATERAL)
 
 
-def limited(scene: Scene) -> bool:
-    """Whether the law of the scene limits the pressure."""
-    return bool(np.isfinite(scene.law.pressure_range.highest))
-
-
 def changed_control(scene: Scene) -> str:
     """Name of the control that the search changes: the load under a limit of the pressure."""
-    return "load" if limited(scene) else scene.control[0]
+    return "load" if scene.law.pressure_range.has_limit else scene.control[0]
 
 
 # A trial of the search: ln(control), ln(largest stress / strength), the contact, and its `Peak`
@@ -185,13 +181,14 @@ class _Search:
             if point[2].max_pressure <= 0.5 * highest:
                 return self.run()  # elastic: the largest stress grows with the load
             return Yield(0.0, point[3].x, point[3].y, 0.0, _BLUNTED)
-        most = highest * _width(body.scene)
+        most = highest * bearing_width(body.scene)
         # The last load tried is near the largest that the body bears. Without a period there is no
         # such load: then it is far above the given one.
         end = most
         if np.isinf(most):
             end = OPTIONS.max_ratio**2 * max(body.load, point[2].load)
         points, load, ended = [point], point[2].load, ""
+        tops: dict[int, Point] = {}  # by the index of the middle one of three points
         while load < end and most - load > load / OPTIONS.max_ratio**3:
             load += 0.5 * min(load, most - load)
             new = self._trial(float(np.log(load)))
@@ -200,7 +197,7 @@ class _Search:
                 break
             points.append(new)
             if _may_reach(points[-3:]):
-                top = self._top(points[-3:])
+                top = tops[len(points) - 2] = self._top(points[-3:])
                 if top[1] >= 0:
                     return self._between(points[-3], top)
             if new[1] >= 0:
@@ -208,7 +205,7 @@ class _Search:
         best = int(np.argmax([one[1] for one in points]))
         top = points[best]
         if 0 < best < len(points) - 1:
-            top = self._top(points[best - 1 : best + 2])
+            top = tops.get(best) or self._top(points[best - 1 : best + 2])
             if top[1] >= 0:
                 return self._between(points[best - 1], top)
         raise OutOfRange(
@@ -241,7 +238,7 @@ class _Search:
         least = point[0] + np.log(OPTIONS.least_ratio)
         while point[2].max_pressure > half and point[0] > least:
             point = self.solve(point[0] - step)
-        most = np.log(half * _width(body.scene))
+        most = np.log(half * bearing_width(body.scene))
         while point[1] < 0 and point[2].max_pressure <= half and point[0] + step < most:
             new = self._trial(point[0] + step)
             if new is None or new[2].max_pressure > half:
@@ -347,11 +344,6 @@ def _may_reach(points: list[Point]) -> bool:
 
 
 _BLUNTED = "a sharp corner or tip, where the pressure is at its limit under any load"
-
-
-def _width(scene: Scene) -> float:
-    """The width [m] that can bear the limit of the pressure; inf without a period."""
-    return float(scene.period or np.inf)
 
 
 def _at_corner(criterion: Criterion) -> float:

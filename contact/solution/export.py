@@ -72,16 +72,9 @@ def to_dict(solution: Solution) -> dict[str, Any]:
         "units": UNITS,
         "version": version(),
     }
-    if _has_limit(solution):
+    if solution.scene.law.pressure_range.has_limit:
         values |= {"plateaus": solution.plateaus, "units": {**UNITS, "plateaus": "m"}}
     return {key: plain(value) for key, value in values.items()}
-
-
-def _has_limit(solution: Solution) -> bool:
-    """Whether the law limits the pressure, so that there may be plateaus.
-    A plateau is an interval on which the pressure is at the limit.
-    """
-    return math.isfinite(solution.scene.law.pressure_range.highest)
 
 
 def to_json(solution: Solution) -> str:
@@ -201,7 +194,7 @@ def _fields(solution: Solution) -> dict[str, Any]:
     }
     if solution.scene.law.shear_ratio:
         fields["shear"] = solution.shear(x)
-    if _has_limit(solution):
+    if solution.scene.law.pressure_range.has_limit:
         fields["overlap"] = solution.overlap(x)
     return fields
 
@@ -235,7 +228,7 @@ def to_xarray(solution: Solution) -> Any:
         np.asarray(solution.zone_peaks),
         {"units": "Pa", "long_name": "largest pressure of a zone"},
     )
-    if _has_limit(solution):
+    if solution.scene.law.pressure_range.has_limit:
         data["plateaus"] = (
             ("plateau", "end"),
             np.asarray(solution.plateaus),

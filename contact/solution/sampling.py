@@ -127,7 +127,7 @@ def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
     """
     profile, period = solution.scene.profile, solution.scene.period
     kinks = profile.kinks[:, 0]
-    if np.isfinite(solution.scene.law.pressure_range.highest):
+    if solution.scene.law.pressure_range.has_limit:
         kinks = np.concatenate((kinks, solution.plateaus.ravel()))
     if period is not None:
         kinks = np.concatenate([kinks - period, kinks, kinks + period])

@@ -23,6 +23,7 @@ from contact.formulation.controls import Load
 from contact.formulation.roots import maximum, smooth_root
 from contact.formulation.tables import centred_on, gaps_between
 from contact.formulation.tolerances import TOLERANCES
+from contact.model.laws.plastic import bearing_width
 from contact.model.scene import Scene
 from contact.plastic.fields import PlasticFields
 from contact.plastic.loop import PlasticLoop
@@ -118,10 +119,7 @@ class PlasticPath(PathSearch):
 
 def bearing(scene: Scene) -> float:
     """The load [N/m] at which all of the surface is one plateau; inf if it has no end."""
-    support, width = scene.profile.support, scene.period
-    if support is not None:
-        width = support[1] - support[0]
-    return np.inf if width is None else float(scene.law.pressure_range.highest * width)
+    return scene.law.pressure_range.highest * bearing_width(scene)
 
 
 def _changes(low: Solution, high: Solution) -> list[Change]:

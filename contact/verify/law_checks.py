@@ -6,8 +6,6 @@ in its own way. The checks here need the fields only.
 
 from dataclasses import replace
 
-import numpy as np
-
 from contact.formulation.protocol import Fields
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.laws import Law
@@ -29,7 +27,7 @@ def held_to_law(
 
 def has_checks(law: Law) -> bool:
     """Whether a law prescribes more than the signs of pressure and gap."""
-    return bool(np.isfinite(law.pressure_range.highest)) or type(law).fault is not Law.fault
+    return law.pressure_range.has_limit or type(law).fault is not Law.fault
 
 
 def _fault(law: Law, fields: Fields, given_load: float | None) -> str:
@@ -37,7 +35,7 @@ def _fault(law: Law, fields: Fields, given_load: float | None) -> str:
     if not has_checks(law):
         return ""
     highest = law.pressure_range.highest
-    if np.isfinite(highest) and fields.max_pressure > highest * (1.0 + TOLERANCES.balance):
+    if law.pressure_range.has_limit and fields.max_pressure > highest * (1.0 + TOLERANCES.balance):
         reached, most = (quantity(value, "Pa", 6) for value in (fields.max_pressure, highest))
         return f"{law.name}: the pressure reaches {reached}, above {most}"
     load = None if given_load is None else given_load / fields.problem.units.load

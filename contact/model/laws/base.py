@@ -13,7 +13,7 @@ No other module knows a law by its name.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, pi
+from math import inf, isfinite, pi
 from typing import Any, ClassVar
 
 import sie
@@ -36,6 +36,11 @@ class PressureRange:
     def has_tension(self) -> bool:
         """Whether the surfaces may attract each other."""
         return self.lowest < 0.0
+
+    @property
+    def has_limit(self) -> bool:
+        """Whether the pressure has a limit, so that it may be constant on plateaus."""
+        return isfinite(self.highest)
 
 
 @dataclass(frozen=True)

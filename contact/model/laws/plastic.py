@@ -12,6 +12,7 @@ same limit.
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 from typing import Any
 
 from contact.model.checks import keep, positive
@@ -71,14 +72,21 @@ class Plastic(Law):
                 "goes with profiles whose slope has jumps at most, and that of "
                 f"{scene.profile.name} is a power of the distance from a point"
             )
-        support, width = scene.profile.support, scene.period
-        if support is not None:
-            width = support[1] - support[0]
-        load = scene.given_load
-        if load is not None and width is not None and not load < self.hardness * width:
+        load, width = scene.given_load, bearing_width(scene)
+        if load is not None and not load < self.hardness * width:
             return (
                 f"bears less than its hardness of {self.hardness:.6g} Pa on the width of "
                 f"{width:.6g} m, and the scene gives {load / width:.6g} Pa: give a smaller load, "
                 "or a larger hardness"
             )
         return None
+
+
+def bearing_width(scene: Any) -> float:
+    """Width [m] of the surface that can bear pressure: between sharp corners, or of a period.
+    It is infinite if there are neither.
+    """
+    support, period = scene.profile.support, scene.period
+    if support is not None:
+        return float(support[1] - support[0])
+    return inf if period is None else float(period)
