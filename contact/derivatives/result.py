@@ -538,7 +538,7 @@ class Sensitivity(sie.Kept):
     def _by_law(self, key: str) -> Response:
         law = self.solution.scene.law
         value = float(getattr(law, key))
-        if law.kappa != remade(law, {key: value * (1 + STEP)}).kappa:
+        if law.kappa != remade(law, {key: value * (1 + STEP) or STEP}).kappa:
             raise SceneError(
                 f"law.{key}: it changes the pressure of bodies that differ elastically, and "
                 "derivatives by it are not known: use differences of solutions",

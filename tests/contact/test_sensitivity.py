@@ -274,6 +274,18 @@ def test_parameters_that_move_corners_or_change_the_kernel_are_refused_by_name()
     assert sliding.of("approach", "control.mean_pressure").value > 0
 
 
+@pytest.mark.parametrize(
+    ("friction", "beta", "to"), [(0.0, 0.2, "law.friction"), (0.3, 0.0, "law.beta")]
+)
+def test_a_law_parameter_of_zero_that_moves_the_zones_is_refused(
+    friction: float, beta: float, to: str
+) -> None:
+    law = contact.Sliding(friction, beta, 1)
+    scene = contact.Scene(contact.Parabola(0.01), 1e9, contact.Isolated(), law=law, load=1e4)
+    with pytest.raises(contact.SceneError, match=to):
+        contact.sensitivity(contact.solve(scene)).of("zones", to)
+
+
 def measured(count: int = 48) -> contact.Sampled:
     """A measured period of a rough surface."""
     rng, x = np.random.default_rng(3), 1e-4 * np.arange(count) / count
