@@ -24,6 +24,9 @@ from contact.adhesion.curve import ACCURACY, State
 from contact.adhesion.events import Events, Jump, PathState
 from contact.adhesion.options import LIMITS
 from contact.errors import NotConverged
+from contact.formulation.tables import gaps_between
+from contact.search.topology.changes import changes
+from sie import nearest_image
 
 
 @dataclass(frozen=True)
@@ -148,7 +151,7 @@ class LoadingPath:
             after = self.law.shrunk(pushed_off(lost.at), lost.at.value)
         except NotConverged:
             raise lost from None
-        return self.law.jump(lost.at, float(lost.at.contact.mean()), after, False)
+        return self._jump(lost.at, float(lost.at.contact.mean()), after, False)
 
     def _at_corner(self, step: Step, after: State) -> Jump:
         """The event at which an end reaches or leaves a sharp corner without a jump."""
@@ -167,7 +170,7 @@ class LoadingPath:
         """The event at which ends leave their sharp corners and jump inward."""
         last = step.end.at
         assert step.after is not None
-        return self.law.jump(
+        return self._jump(
             last, _place(last, step.after), self.law.shrunk(let_go(step), last.value), False
         )
 
@@ -176,7 +179,29 @@ class LoadingPath:
         law, rises = self.law, sense > 0.0
         table = beyond(law.curve, last, sense)
         place = float(last.table.ravel()[int(np.argmax(np.abs(table - last.table)))])
-        return law.jump(last, place, (law.grown if rises else law.shrunk)(table, last.value), rises)
+        return self._jump(
+            last, place, (law.grown if rises else law.shrunk)(table, last.value), rises
+        )
+
+    def _jump(self, before: State, end: float, after: PathState, rises: bool) -> Jump:
+        """The jump from the equilibrium `before`, in which the end at x = `end` moves first.
+
+        Its place is the middle of the zone that separates or of the gap that closes. Of several,
+        the one nearest to `end` is taken. Intervals of tension without contact count as zones. If
+        zones only change their widths, the place of the jump is `end`.
+        """
+        period = self.law.curve.problem.period
+        zones = before.contact if len(before.contact) else before.table
+        if after.point is None:
+            gone = gaps_between(zones, period) if after.closed else zones
+        else:
+            found = changes(zones, after.point.contact, period, only_grows=False)
+            gone = np.array([one.where for one in found if one.kind in ("death", "merge")])
+        if len(gone):
+            middles = gone.mean(axis=1)
+            away = nearest_image(middles, end, period) - end
+            end = float(middles[np.argmin(np.abs(away))])
+        return self.law.jump(before, end, after, rises)
 
 
 def _place(before: State, after: State) -> float:

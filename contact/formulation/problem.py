@@ -27,6 +27,7 @@ from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.plugin_checks.forms import AuthorMethod
 from contact.model.profiles.base import Profile, onto
+from contact.model.profiles.noise import ROUND_OFF
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
 from sie import Array, Index, nearest_image, record
@@ -108,6 +109,11 @@ class Problem(sie.Kept):
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
         return (max(lo, self.cut[0]), min(hi, self.cut[1])) if self.reference else (lo, hi)
+
+    def position(self, place: float) -> float:
+        """The place on the profile [m], in its cell, of a scaled place; 0 within round-off."""
+        x = float(self.profile.wrap(self.units.x(np.array(place))))
+        return x if abs(x) > ROUND_OFF * self.units.length else 0.0
 
     @property
     def cut(self) -> tuple[float, float]:

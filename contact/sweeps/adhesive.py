@@ -63,7 +63,9 @@ class AdhesiveEvent(Event):
     load : float
         The load just before the event [N/m].
     position : float
-        The place on the profile of the touch, or of the end that moves first [m].
+        The place on the profile [m]: of the touch, of the middle of the zone that separates or of
+        the gap that closes, else of the end that moves first. Of several zones or gaps that go
+        together, one is meant.
     before, after : ndarray
         The zones [m], (n, 2), just before and just after the event; (0, 2) for separate surfaces
         and in full contact.
@@ -519,11 +521,12 @@ class _PathRun:
         drawn = None
         if jump.kind == "pull-off" and jump.before.point is not None:
             fields = self.by.fields(jump.before.point)
-            x = _places(self.scene, zones if len(zones) else fields.cohesive)
+            # Contact may end in points. The picture then shows the intervals of tension.
+            x = _places(self.scene, zones if _width(zones) > 0.0 else fields.cohesive)
             surface = self.scene.profile.counter_height(x) - fields.displacement(x)
             drawn = np.array([x, surface, surface + fields.gap(x)])
         value = float(jump.before.value * self.unit)
-        place = float(self.scene.profile.wrap(units.x(np.array(jump.place))))
+        place = self.problem.position(jump.place)
         return AdhesiveEvent(
             jump.kind,
             load,

@@ -637,9 +637,7 @@ class EventSearch:
                 Event(
                     one.event.kind,
                     float(np.exp(one.zero)) * self.problem.units.load,
-                    float(
-                        self.low.scene.profile.wrap(self.problem.units.x(np.array(one.found.place)))
-                    ),
+                    self.problem.position(one.found.place),
                     self._in_metres(before),
                     self._in_metres(table),
                 )

@@ -6,6 +6,9 @@ drawn dashed and red, since its curve lies on that of the rising load.
 
 With adhesion: load over approach, with dotted jumps, and the surfaces just before pull-off (at the
 last value if there is no pull-off). Without an approach, the abscissa is the contact.
+
+Small dots are the computed contacts. Lines between them are straight without adhesion, and monotone
+cubics with adhesion, where the computed equilibria may be far apart.
 """
 
 from collections.abc import Sequence
@@ -13,6 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from contact.extras import require
+from contact.formulation.tables import runs_of
+from contact.model.profiles.noise import EPS
 from contact.model.units import scaled
 from contact.solution.drawing import (
     BODY,
@@ -43,9 +49,10 @@ _MARKS = {
     "onset": (BODY, "^"),
     "join": (BODY, "D"),
 }
+_DOTS: dict[str, Any] = {"marker": "o", "markersize": 2.5}
 _LINES: dict[bool, dict[str, Any]] = {
-    True: {"color": SURFACE, "linestyle": "-", "linewidth": 1.5},
-    False: {"color": PRESSURE, "linestyle": (0, (5, 2)), "linewidth": 1.2},
+    True: {"color": SURFACE, "linestyle": "-", "linewidth": 1.5, **_DOTS},
+    False: {"color": PRESSURE, "linestyle": (0, (5, 2)), "linewidth": 1.2, **_DOTS},
 }
 
 
@@ -193,16 +200,14 @@ def draw_curve(
     far = np.nanmax(np.abs([*across, *(a for _, *both in jumps for a in both[::2]), 0.0]))
     high = np.nanmax(np.abs([*load, *(p for _, *both in jumps for p in both[1::2]), 0.0]))
     (x, along), (y, unit) = scaled(float(far), "m"), scaled(float(high), "N/m")
+    points = np.column_stack((across * x, load * y))
     for rising, name in ((True, "rising"), (False, "falling")):
         # A point at which the load path reverses belongs to the rising curve and to the falling
         # one.
         mine = (rises == rising) | (np.append(rises[1:], rises[-1]) == rising)
-        axes.plot(
-            np.where(mine, across, np.nan) * x,
-            np.where(mine, load, np.nan) * y,
-            label=name,
-            **_LINES[rising],
-        )
+        for first, last in runs_of(mine & np.isfinite(points).all(axis=1)):
+            curve, given = _through(points[first : last + 1])
+            axes.plot(*curve.T, label=name, markevery=given, **_LINES[rising])
     for kind, before, load_before, after, load_after in jumps:
         axes.plot(
             [before * x, after * x],
@@ -222,6 +227,24 @@ def draw_curve(
         )
     axes.axhline(0.0, color=BODY, linewidth=0.6, zorder=0)
     finish(axes, f"{label} [{along}]", f"load [{unit}]")
+
+
+def _through(points: Array) -> tuple[Array, list[int]]:
+    """Points (m, 2) of a smooth curve through the given points (n, 2), and the places of these.
+
+    Both coordinates are monotone between two given points. The measured distance of the curve of
+    equilibria is a tenth of that from straight lines.
+    """
+    spans = np.ptp(points, axis=0)
+    steps = np.diff(points, axis=0) / np.where(spans > 0.0, spans, 1.0)
+    lengths = np.hypot(*steps.T)
+    some = np.append(True, lengths > EPS)
+    points, along = points[some], np.append(0.0, np.cumsum(lengths[some[1:]]))
+    if len(points) < 3:
+        return points, list(range(len(points)))
+    fine = np.union1d(np.linspace(0.0, along[-1], 400), along)
+    cubic = require("scipy.interpolate").PchipInterpolator(along, points)
+    return np.asarray(cubic(fine)), np.searchsorted(fine, along).tolist()
 
 
 def draw_surfaces(

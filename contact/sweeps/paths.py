@@ -369,7 +369,7 @@ class _Condition:
         """
         function = fields.formal_gap if self.of_gap else fields.formal_pressure
         place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), peaks=1)
-        self.position = float(self.problem.profile.wrap(self.problem.units.x(np.array(place))))
+        self.position = self.problem.position(place)
         return -value
 
     def __init__(self, fields: Any, change: Change) -> None:
@@ -440,4 +440,6 @@ def _full_event(load: float, full: Solution, low: Solution) -> list[Event]:
     if np.any((over > first) & (over < last)):
         return []
     place, _ = maximum(lambda points: -full.pressure(points), np.linspace(first, last, 65))
-    return [Event("full", load, float(low.scene.profile.wrap(place)), low.zones, np.zeros((0, 2)))]
+    problem = low.fields.problem
+    position = problem.position(float(problem.units.scaled(np.array(place))))
+    return [Event("full", load, position, low.zones, np.zeros((0, 2)))]

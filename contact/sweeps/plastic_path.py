@@ -218,7 +218,8 @@ def _onset_in_full_contact(low: Solution, high: Solution) -> Event:
     x = np.linspace(high.plateaus[0, 0], high.plateaus[0, 1], 33)
     place, _ = maximum(lambda points: np.asarray(low.pressure(points)), x, peaks=1)
     error = float(low.error * low.max_pressure * low.scene.period / load)
-    position = float(low.scene.profile.wrap(np.array(place)))
+    problem = low.fields.problem
+    position = problem.position(float(problem.units.scaled(np.array(place))))
     return Event("onset", load, position, low.plateaus, high.plateaus, error=error)
 
 
@@ -244,7 +245,7 @@ class _Condition:
             fields = self._formal(load)
             self._check_states(fields)
             place, value = maximum(lambda x: -self._at(fields, x), self.places, peaks=1)
-            self.position = float(self.problem.profile.wrap(self.problem.units.x(np.array(place))))
+            self.position = self.problem.position(place)
             self.values[load] = -value, self._error_of(fields)
         return self.values[load][0]
 

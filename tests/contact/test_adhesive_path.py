@@ -142,6 +142,43 @@ def test_every_point_of_a_loop_has_its_error_its_certificate_and_its_way(held):
     )
 
 
+SEPARATING = {
+    "wave": (contact.Sinusoid(1e-6, 1e-4), contact.Periodic()),
+    "parabola": (contact.Parabola(1e-3), contact.Isolated(datum=1e-2)),
+    "two tips": (contact.Biquadratic(1e-3, 2e-4), contact.Isolated(datum=1e-2)),
+    "punch": (contact.Flat(1e-4), contact.Isolated(datum=1e-2)),
+}
+
+
+@pytest.mark.parametrize("held", ["load", "approach"])
+@pytest.mark.parametrize("law", [contact.JKR(0.05), contact.Dugdale(0.05, 1e6)], ids=["JKR", "D"])
+@pytest.mark.parametrize("shape", SEPARATING)
+def test_a_pull_off_is_placed_in_the_middle_of_a_zone(shape, law, held):
+    profile, interaction = SEPARATING[shape]
+    scene = contact.Scene(profile, 1e9, interaction, law=law, load=0.0)
+    event = contact.path(scene, [0.0, -4e3 if held == "load" else -1e-4], control=held).events[-1]
+    # On these symmetric profiles, the middle of all contact is x = 0, with or without a zone.
+    middles = np.append(event.before.mean(axis=1), [0.0] if len(event.before) < 2 else [])
+    assert event.kind == "pull-off"
+    assert np.abs(middles - event.position).min() < 1e-7 * 1e-4
+
+
+def test_a_drawn_path_of_few_values_goes_through_the_equilibria_between_them():
+    pytest.importorskip("matplotlib")
+    profile, interaction = SEPARATING["wave"]
+    for law in (contact.JKR(0.05), contact.Dugdale(0.05, 1e6)):
+        scene = contact.Scene(profile, 1e9, interaction, law=law, load=0.0)
+        axes = contact.path(scene, [0.0, 2000.0]).plot().axes[0]
+        line = max(axes.lines, key=lambda one: len(one.get_xdata()))
+        near, load = line.get_xdata() * 1e-9, line.get_ydata() * 1e3  # drawn in nm and N/mm
+        fine = contact.path(scene, np.linspace(0.0, 2000.0, 12)[1:])
+        for solution in fine.solutions:
+            away = np.hypot(
+                (near - solution.approach) / np.ptp(near), (load - solution.load) / np.ptp(load)
+            )
+            assert away.min() < 0.01
+
+
 def test_a_spring_pulls_off_between_a_held_approach_and_a_held_load():
     ends = [
         contact.path(SCENES["cylinder"], [0.0, -1.0], stiffness=k).events[-1] for k in (1e3, 1e-3)
@@ -344,7 +381,8 @@ def test_the_figure_has_both_ways_every_jump_and_the_surfaces_at_pull_off():
         and surfaces.get_title() == "just before pull-off"
     )
     rising, falling = (
-        line.get_ydata()[np.isfinite(line.get_ydata())] for line in curve.get_lines()[:2]
+        np.concatenate([line.get_ydata() for line in curve.lines if line.get_label() == name])
+        for name in told[:2]
     )
     assert rising.max() == pytest.approx(4.0) and falling.min() == pytest.approx(
         1e3 * found.events[-1].load, rel=1e-9
