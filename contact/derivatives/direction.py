@@ -244,7 +244,7 @@ class Direction(Profile):
 
         The cell of every part is stretched to that of the profile, so that no place moves.
         """
-        of = _Varied(profile, Parameter("profile", "period"))
+        of = _Varied(profile, Parameter("profile.period"))
         found = of.stencil(cls, WEIGHTS, STEP)
         length = profile.period
         assert length is not None
@@ -256,13 +256,35 @@ class Direction(Profile):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a profile: its table in a scene file, its name there, and an index.
-    The index is None unless the parameter is an array.
+    """A parameter of a scene: its key, as "profile.amplitude" in a scene file, and an index.
+    The index is that of an entry of an array; None for a number.
     """
 
-    table: str
-    name: str
+    key: str
     index: int | None = None
+
+    @classmethod
+    def parsed(cls, to: Any) -> Parameter:
+        """The parameter with a name such as "profile.amplitude" or "profile.cosine[2]"."""
+        if not isinstance(to, str):
+            raise SceneError.of("to", to, "a name such as 'profile.amplitude'")
+        key, bracket, index = to.partition("[")
+        if not bracket:
+            return cls(key)
+        if not (index.endswith("]") and index[:-1].isdigit()):
+            allowed = "a name, or a name with an index such as profile.cosine[2]"
+            raise SceneError.of("to", to, allowed)
+        return cls(key, int(index[:-1]))
+
+    @property
+    def table(self) -> str:
+        """The table of the parameter in a scene file."""
+        return self.key.partition(".")[0]
+
+    @property
+    def name(self) -> str:
+        """The name of the parameter in its table."""
+        return self.key.partition(".")[2]
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -12,9 +13,12 @@ import sie
 from contact.derivatives.adjoint import Functional, Weights, full_weights, weights_of
 from contact.derivatives.linear import Linearized
 from contact.derivatives.numbers import Numbers
+from contact.derivatives.response import NUMBERS, STRESSES, Derivative, Response
 from contact.errors import SceneError
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full_contact import FullFields
+from contact.formulation.tolerances import TOLERANCES
+from contact.model.checks import one_of
 from contact.model.controls import Quantity
 from sie import Array, Index, record
 
@@ -38,6 +42,45 @@ class Functionals(sie.Kept):
 
     def __init__(self, linearized: Linearized) -> None:
         self.linearized, self.solution = linearized, linearized.solution
+        self._known: dict[tuple[str, tuple[int, ...]], Weighted] = {}
+
+    def entry(self, number: str, index: int | tuple[int, ...] = ()) -> Weighted:
+        """Adjoint weights of a number of the solution, or of one entry of an array.
+        They are kept. Raises SceneError if there is no such entry, or it has no derivatives.
+        """
+        one_of("number", number, NUMBERS + STRESSES)
+        at = index if isinstance(index, tuple) else (index,)
+        # This derivative by the load raises SceneError if the number has no derivatives.
+        by_load = self.linearized.by_load
+        value = np.asarray(Response(self.solution, by_load, by_load=by_load).of(number).value)
+        if len(at) != value.ndim or any(
+            not 0 <= k < n for k, n in zip(at, value.shape, strict=True)
+        ):
+            raise SceneError.of("index", index, f"an index of an array of shape {value.shape}")
+        if (number, at) not in self._known:
+            self._known[number, at] = self.weights(number, at)
+        return self._known[number, at]
+
+    def derivative(
+        self, number: str, weighted: Weighted, of: Callable[[Weights], Array]
+    ) -> Derivative:
+        """Derivatives of `number` by several parameters at once, with their errors.
+        The function `of` computes them from the adjoint weights of the number, `weighted`.
+        """
+        tables = [of(one) for one in weighted.found]
+        value = tables[0]
+        relative = 2 * self.solution.error + TOLERANCES.margin * weighted.found[0].error
+        error = relative * float(np.abs(value).max(initial=0.0)) + np.zeros(value.shape)
+        for other in tables[1:]:
+            error = error + TOLERANCES.margin * abs(other - value)
+        if weighted.control is not None:
+            error = error + weighted.unsure * abs(of(weighted.control))
+        note = ""
+        if number == "max_pressure" and len(self.linearized.peaks) > 1:
+            note = "several places of largest pressure: the derivatives are those of one of them"
+        if number in STRESSES and len(self.linearized.values.max_stress) > 1:
+            note = "several places of largest stress: the derivatives are those of one of them"
+        return Derivative(value, error, note)
 
     def weights(self, number: str, index: tuple[int, ...]) -> Weighted:
         """Adjoint weights of `number` at a fixed value of the scene's control.
@@ -60,12 +103,11 @@ class Functionals(sie.Kept):
                 self._entry(errors, number, index) + abs(of_number / of_control) * control[2]
             ) / abs(of_control)
             functional = functional.plus(control[0], -of_number / of_control)
-        variants = self.linearized.variants
-        if number == "max_stress":
-            ways = [self._of_stress(one, functional) for one in variants]
-        else:
-            ways = [functional] * len(variants)
-        found = tuple(self._on(one, way) for one, way in zip(variants, ways, strict=True))
+        variants, stressed = self.linearized.variants, number == "max_stress"
+        found = tuple(
+            self._on(one, self._of_stress(one, functional) if stressed else functional)
+            for one in variants
+        )
         if control is None or not self.linearized.stated:
             return Weighted(found, None, 0.0)
         return Weighted(found, self._on(fields, control[0]), unsure)
@@ -76,9 +118,9 @@ class Functionals(sie.Kept):
         """
         by_load = self.linearized.by_load
         rise, error = float(by_load.values.max_stress[0]), float(by_load.errors.max_stress[0])
-        ways = [self._of_stress(one, self._none(), -1 / rise) for one in self.linearized.variants]
         found = tuple(
-            self._on(one, way) for one, way in zip(self.linearized.variants, ways, strict=True)
+            self._on(one, self._of_stress(one, self._none(), -1 / rise))
+            for one in self.linearized.variants
         )
         if not self.linearized.stated:
             return Weighted(found, None, 0.0)
@@ -132,22 +174,15 @@ class Functionals(sie.Kept):
 
         None if the load is given.
         """
-        scene, by_load = self.solution.scene, self.linearized.by_load
-        held = scene.control_object.held(scene)
-        assert held is not None
-        if held.quantity is Quantity.LOAD:
+        quantity = self.linearized.held.quantity
+        if quantity is Quantity.LOAD:
             return None
-        values, errors = by_load.values, by_load.errors
-        if held.quantity is Quantity.APPROACH:
+        if quantity is Quantity.APPROACH:
             functional = self._at_load("approach", ())
-            return (
-                functional,
-                float(values.largest("approach")),
-                float(errors.largest("approach")),
-            )
-        none = self._none()
-        functional = replace(none, ends=np.ones(none.ends.shape))
-        return functional, float(np.diff(values.zones).sum()), float(errors.zones.sum())
+        else:
+            none, part = self._none(), 0.5 if quantity is Quantity.HALF_WIDTH else 1.0
+            functional = replace(none, ends=np.full(none.ends.shape, part))
+        return functional, *self.linearized.controlled(self.linearized.by_load)
 
     def _entry(self, numbers: Numbers, number: str, index: tuple[int, ...]) -> float:
         if number == "zone_widths":

@@ -20,10 +20,13 @@ from contact.derivatives.numbers import Numbers, values
 from contact.derivatives.places import lowest, peaks
 from contact.derivatives.rates import Rate, rate_of, with_moved_zones
 from contact.derivatives.stresses import LargestStress
+from contact.errors import SceneError
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.protocol import Fields
 from contact.formulation.tolerances import TOLERANCES
+from contact.model.controls import Quantity
+from contact.model.controls.base import Held
 from contact.model.profiles.base import Profile
 from contact.solution.solution import Solution
 from sie import Array, record
@@ -114,6 +117,43 @@ class Linearized(sie.Kept):
             with_moved_zones(fields, width * np.ones(2)),
             with_moved_zones(fields, width * signs * [1.0, -1.0]),
         )
+
+    @property
+    def held(self) -> Held:
+        """The quantity that the solver prescribes directly, and its value."""
+        held = self.solution.scene.control_object.held(self.solution.scene)
+        assert held is not None
+        return held
+
+    def controlled(self, change: Change) -> tuple[float, float]:
+        """(derivative, error) of the prescribed quantity, from the derivatives of all numbers."""
+        values, errors, quantity = change.values, change.errors, self.held.quantity
+        if quantity is Quantity.LOAD:
+            return values.load, errors.load
+        if quantity is Quantity.APPROACH:
+            return float(values.largest("approach")), float(errors.largest("approach"))
+        part = 0.5 if quantity is Quantity.HALF_WIDTH else 1.0
+        return part * float(np.diff(values.zones).sum()), part * float(errors.zones.sum())
+
+    def at_control(self, change: Change, target: float) -> Change:
+        """Derivatives at a fixed value of the control, from those at a fixed load (`change`).
+
+        target: derivative of the value [SI] that the control prescribes.
+        """
+        if self.held.quantity is Quantity.LOAD and target == 0.0:
+            return change
+        of_change, change_error = self.controlled(change)
+        of_load, load_error = self.controlled(self.by_load)
+        if not np.isfinite(of_load) or of_load == 0.0:
+            raise SceneError(
+                "the control does not depend on the load here: there are no derivatives at its "
+                "given value",
+                "control",
+            )
+        load = (target - of_change) / of_load
+        error = (change_error + abs(load) * load_error) / abs(of_load)
+        found = change.plus(self.by_load, load)
+        return replace(found, errors=found.errors + abs(self.by_load.values) * error)
 
     @cached_property
     def by_load(self) -> Change:

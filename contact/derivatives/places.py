@@ -13,6 +13,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 
 from contact.formulation.full_contact import period_samples
+from contact.formulation.quadrature import chebyshev_nodes
 from contact.formulation.roots import maximum, reaches
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.base import Profile
@@ -140,7 +141,7 @@ class Window:
             nearest = float(self.cusps[int(np.argmin(np.abs(self.cusps - place)))])
             if abs(nearest - place) <= half:
                 return nearest
-        t = np.cos(np.pi * (np.arange(16) + 0.5) / 16)
+        t = chebyshev_nodes(16)
         value = np.asarray(function(place + half * t))
         if not np.isfinite(value).all():
             return place

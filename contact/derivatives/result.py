@@ -1,12 +1,8 @@
 """`Sensitivity`: derivatives of the numbers of a solution by the data of its scene.
 
-All follow from two kinds of linear problems (contact.derivatives.rates): the derivative by the load
-P, and that along a change of the profile f. The control of the scene keeps its value by a change of
-the load. The modulus, the edge intensity K of a law and the period follow from scaling:
-
-    E* dJ/dE* = D_f J - h J                  J grows like the power h of heights
-    K dJ/dK   = d J - P dJ/dP - E* dJ/dE*    J grows like the power d of pressures
-    x -> (1 + e) x: p -> p / (1 + e), K -> K sqrt(1 + e); loads and approaches stay
+Derivatives at a fixed load come from `ParameterRates`, one parameter at a time, or from
+`Functionals`, all entries of an array at once. `Linearized.at_control` then changes the load so
+that the control of the scene keeps its value.
 """
 
 from __future__ import annotations
@@ -19,20 +15,11 @@ from typing import Any
 import numpy as np
 
 import sie
-from contact.derivatives.adjoint import Weights
-from contact.derivatives.direction import (
-    STEP,
-    WEIGHTS,
-    Direction,
-    MovedPlaces,
-    Parameter,
-    places_of,
-)
-from contact.derivatives.functionals import Functionals, Weighted
+from contact.derivatives.direction import Direction, Parameter
+from contact.derivatives.functionals import Functionals
 from contact.derivatives.heights import by_heights
 from contact.derivatives.linear import Change, Linearized
-from contact.derivatives.numbers import Numbers
-from contact.derivatives.pull_off import PullOffRates
+from contact.derivatives.parameters import ParameterRates
 from contact.derivatives.refusals import refuse
 from contact.derivatives.response import (
     NUMBERS,
@@ -51,25 +38,11 @@ from contact.inside.largest import Criterion
 from contact.inside.stress import LATERAL
 from contact.inside.yielding import CRITERIA, Yield
 from contact.model.checks import one_of, poisson_ratio
-from contact.model.controls import Quantity
 from contact.model.profiles.sampled import Sampled
-from contact.model.registry import remade
 from contact.model.units import quantity
 from contact.solution.report import label, title
 from contact.solution.solution import Solution
-from contact.sweeps.sweep.keys import MODULUS, tables
 from sie import Array
-
-# Exponents with which numbers scale, on fixed zones, if all pressures or all heights are multiplied
-# by a factor. Numbers that are not listed do not change.
-OF_PRESSURE = {
-    "load": 1.0,
-    "max_pressure": 1.0,
-    "max_stress": 1.0,
-    "stiffness": 1.0,
-    "zone_loads": 1.0,
-}
-OF_HEIGHT = {"approach": 1.0, "mean_gap": 1.0, "stiffness": -1.0}
 
 
 class Sensitivity(sie.Kept):
@@ -114,9 +87,9 @@ class Sensitivity(sie.Kept):
         refuse(solution)
         self.solution, self.stress = solution, stress
         self.linearized = Linearized(solution, stated, stress, tops)
-        self._ways: dict[str, list[tuple[Direction, float]]] = {}
+        self._rates = ParameterRates(self.linearized)
+        self._functionals = Functionals(self.linearized)
         self._known: dict[str, Response] = {}
-        self._weighted: dict[tuple[str, tuple[int, ...]], Weighted] = {}
 
     def __repr__(self) -> str:
         """The scene, the control with its value, and the names for `of(number, to=key)`."""
@@ -133,19 +106,7 @@ class Sensitivity(sie.Kept):
     @property
     def keys(self) -> tuple[str, ...]:
         """Names of the parameters by which derivatives are known, as in scene files."""
-        scene = self.solution.scene
-        names = [MODULUS, f"control.{scene.control[0]}"]
-        names += [f"control.{name}" for name in scene.turning]
-        names += OF_CRITERION if self.stress is not None else ()
-        for table, values in tables(scene).items():
-            for name, value in values.items():
-                numbers = np.asarray(value if value is not None else "", dtype=object)
-                if table not in ("interaction", "substrate") and all(
-                    isinstance(one, (int, float, np.number)) and not isinstance(one, bool)
-                    for one in numbers.ravel()
-                ):
-                    names.append(f"{table}.{name}")
-        return tuple(names)
+        return (*self._rates.values, *(() if self.stress is None else OF_CRITERION))
 
     def of(self, number: str, to: str) -> Derivative:
         """The derivative of a number of the solution by one of the scene's data.
@@ -169,25 +130,23 @@ class Sensitivity(sie.Kept):
         SceneError
             If the name is not known, or the derivative is not.
         """
-        name, index = _parted(to)
-        one_of("to", name, self.keys)
-        if name in OF_CRITERION:
+        parameter = Parameter.parsed(to)
+        one_of("to", parameter.key, self.keys)
+        if parameter.key in OF_CRITERION:
             return self._by_criterion(number, to)
-        value = self._value(name)
-        if number == "pull_off" and (index is not None or np.ndim(value) == 0):
-            return Derivative(*self._of_pull_off(name, index))
-        if index is not None or np.ndim(value) == 0:
+        value = self._rates.values[parameter.key]
+        if parameter.index is not None or np.ndim(value) == 0:
+            if number == "pull_off":
+                return Derivative(*self._rates.of_pull_off(parameter))
             return self.by(to).of(number)
-        table, _, key = name.partition(".")
-        scene = self.solution.scene
-        if key == "height" and isinstance(scene.profile, Sampled):
+        if parameter.name == "height" and isinstance(self.solution.scene.profile, Sampled):
             return self.to_heights(number)
         if number == "pull_off":
-            pairs = np.array([self._of_pull_off(name, k) for k in range(len(value))])
-            return Derivative(pairs[:, 0], pairs[:, 1])
-        if table in scene.profile.bodies and self._adjoint and number not in TABLES:
-            return self._by_array(number, table, key)
-        found = [self.by(f"{name}[{k}]").of(number) for k in range(len(value))]
+            entries = (replace(parameter, index=k) for k in range(len(value)))
+            return Derivative(*np.array([self._rates.of_pull_off(one) for one in entries]).T)
+        if self._by_adjoint(parameter) and number not in TABLES:
+            return self._by_array(number, to)
+        found = [self.by(f"{to}[{k}]").of(number) for k in range(len(value))]
         return Derivative(
             np.array([one.value for one in found]),
             np.array([one.error for one in found]),
@@ -196,15 +155,18 @@ class Sensitivity(sie.Kept):
 
     def by(self, to: str) -> Response:
         """Derivatives of all numbers, and of the pressure, by one parameter of the scene."""
-        name, index = _parted(to)
-        one_of("to", name, [key for key in self.keys if key not in OF_CRITERION])
-        value = self._value(name)
+        parameter = Parameter.parsed(to)
+        key, index = parameter.key, parameter.index
+        one_of("to", key, self._rates.values)
+        value = self._rates.values[key]
         if (index is not None) != (np.ndim(value) == 1):
-            raise SceneError.of("to", to, f"{name}[k] for an array, and {name} for a number")
+            raise SceneError.of("to", to, f"{key}[k] for an array, and {key} for a number")
         if index is not None and not 0 <= index < len(value):
             raise SceneError.of("to", to, f"an index from 0 to {len(value) - 1}")
         if to not in self._known:
-            self._known[to] = self._by(name, index)
+            change, target = self._rates.of(parameter)
+            of_period = float(self._rates.is_period(parameter))
+            self._known[to] = replace(self._response(change, target), of_period=of_period)
         return self._known[to]
 
     def response(self, dheight: Any, dslope: Callable[[Array], Array] | None = None) -> Response:
@@ -287,97 +249,35 @@ class Sensitivity(sie.Kept):
                 "contact.Sampled",
                 "profile",
             )
-        found = self._weights(number, index)
-        return self._by_weights(found, lambda one: by_heights(profile, one), number)
+        weights = self._functionals.entry(number, index)
+        found = self._functionals.derivative(number, weights, lambda one: by_heights(profile, one))
+        return replace(found, note=found.note or self.note)
 
-    @property
-    def _adjoint(self) -> bool:
-        """Whether the adjoint equation can give the derivatives by all heights from one solve."""
-        return self._functionals.refusal == ""
-
-    @cached_property
-    def _functionals(self) -> Functionals:
-        return Functionals(self.linearized)
+    def _by_adjoint(self, to: Parameter) -> bool:
+        """Whether one solve of an adjoint equation gives the derivatives by an array of a body."""
+        return to.table in self.solution.scene.profile.bodies and not self._functionals.refusal
 
     def of_tops(self, to: str) -> Array:
         """Derivatives (entries, k) of the pressure where it is largest, without error.
 
         to: the name of data of the scene; a number counts as one entry.
         """
-        value, count = self._value(to), len(self.linearized.peaks)
+        value, count = self._rates.values[to], len(self.linearized.peaks)
         if np.ndim(value) == 0:
             return self.by(to).change.values.max_pressure[None]
-        table, _, key = to.partition(".")
-        if self._adjoint and table in self.solution.scene.profile.bodies and count < len(value):
+        if self._by_adjoint(Parameter(to)) and count < len(value):
             found = [self._functionals.weights("max_pressure", (k,)) for k in range(count)]
-            return np.array([self._sums(one.found[0], table, key)[0] for one in found]).T
+            return np.array([self._rates.sums(one.found[0], to)[0] for one in found]).T
         some = [self.by(f"{to}[{k}]").change.values.max_pressure for k in range(len(value))]
         return np.array(some).reshape(len(value), count)
 
-    def _by_array(self, number: str, table: str, key: str) -> Derivative:
+    def _by_array(self, number: str, to: str) -> Derivative:
         """Derivatives of a number by all entries of an array parameter, from one adjoint solve."""
-        found = self._weights(number, ())
-        unsure = self._sums(found.found[0], table, key)[1]
-        by = self._by_weights(found, lambda one: self._sums(one, table, key)[0], number)
+        rates, weights = self._rates, self._functionals.entry(number)
+        unsure = rates.sums(weights.found[0], to)[1]
+        by = self._functionals.derivative(number, weights, lambda one: rates.sums(one, to)[0])
         more = TOLERANCES.margin * unsure * np.abs(np.asarray(by.value))
-        return replace(by, error=by.error + more)
-
-    def _sums(self, weights: Weights, table: str, key: str) -> tuple[Array, Array]:
-        """A functional of the changes by all entries of an array of parameters, relative errors."""
-        profile = self.solution.scene.profile
-        count = len(self._value(f"{table}.{key}"))
-        if table == "profile" and profile.unit_of(key, 0) is not None:
-            all_of = profile.unit_sums(key, weights.x, weights.heights, weights.slopes)
-            if all_of is not None:
-                return all_of, np.full(count, TOLERANCES.rounding)
-        directions = self._directions(table, key)
-        sums = [weights.of(way.height, way.slope) for way, _ in directions]
-        return np.array(sums), np.array([error for _, error in directions])
-
-    def _directions(self, table: str, key: str) -> list[tuple[Direction, float]]:
-        """The changes of the profile by the entries of an array, with their relative errors."""
-        profile, name = self.solution.scene.profile, f"{table}.{key}"
-        if name not in self._ways:
-            x = places_of(profile, self.solution.zones)
-            self._ways[name] = [
-                Direction.by_parameter(profile, Parameter(table, key, k), x)
-                for k in range(len(self._value(name)))
-            ]
-        return self._ways[name]
-
-    def _weights(self, number: str, index: int | tuple[int, ...]) -> Weighted:
-        """Adjoint weights of a number, on the zones and on zones moved by their stated error."""
-        one_of("number", number, NUMBERS + STRESSES)
-        at = index if isinstance(index, tuple) else (index,)
-        # This derivative by the load raises SceneError if the number has no derivatives.
-        by_load = self.linearized.by_load
-        value = np.asarray(Response(self.solution, by_load, by_load=by_load).of(number).value)
-        if len(at) != value.ndim or any(
-            not 0 <= k < n for k, n in zip(at, value.shape, strict=True)
-        ):
-            raise SceneError.of("index", index, f"an index of an array of shape {value.shape}")
-        if (number, at) not in self._weighted:
-            self._weighted[number, at] = self._functionals.weights(number, at)
-        return self._weighted[number, at]
-
-    def _by_weights(
-        self, weighted: Weighted, table_of: Callable[[Weights], Array], number: str
-    ) -> Derivative:
-        """Derivatives that the function `table_of` computes from adjoint weights, with errors."""
-        tables = [table_of(one) for one in weighted.found]
-        value = tables[0]
-        relative = 2 * self.solution.error + TOLERANCES.margin * weighted.found[0].error
-        error = relative * float(np.abs(value).max(initial=0.0)) + np.zeros(value.shape)
-        for other in tables[1:]:
-            error = error + TOLERANCES.margin * abs(other - value)
-        if weighted.control is not None:
-            error = error + weighted.unsure * abs(table_of(weighted.control))
-        note = self.note
-        if number == "max_pressure" and len(self.linearized.peaks) > 1:
-            note = "several places of largest pressure: the derivatives are those of one of them"
-        if number in STRESSES and len(self.linearized.values.max_stress) > 1:
-            note = "several places of largest stress: the derivatives are those of one of them"
-        return Derivative(value, error, note)
+        return replace(by, error=by.error + more, note=by.note or self.note)
 
     def _by_criterion(self, number: str, to: str) -> Derivative:
         """Derivative of the largest stress, or of the load of first yield, by strength or nu."""
@@ -395,240 +295,14 @@ class Sensitivity(sie.Kept):
         error = (unsure + 4 * (self.solution.error + stress.missed) / rise) * np.abs(change)
         return Derivative(float((change / rise)[first]), float(error[first]), self.note)
 
-    # The next methods give the derivative by one parameter.
-
-    def _value(self, name: str) -> Any:
-        table, _, key = name.partition(".")
-        scene = self.solution.scene
-        if name == MODULUS:
-            return scene.E_star
-        if table == "control":
-            return getattr(scene, key) if key in scene.turning else scene.control[1]
-        return tables(scene)[table][key]
-
-    def _by(self, name: str, index: int | None) -> Response:
-        table, _, key = name.partition(".")
-        scene = self.solution.scene
-        if name == MODULUS:
-            return self._response(self._by_modulus)
-        if table == "control":
-            return self._by_control(key)
-        if table == "law":
-            return self._by_law(key)
-        if key == "period" and scene.period is not None:
-            return self._by_period()
-        direction, error = self._direction(name, index)
-        change = self.linearized.along(direction)
-        errors = change.errors + abs(change.values) * (TOLERANCES.margin * error)
-        return self._response(replace(change, errors=errors))
-
-    def _direction(self, name: str, index: int | None) -> tuple[Direction, float]:
-        """(derivative of the profile by one of its parameters, relative error of it)."""
-        table, _, key = name.partition(".")
-        profile = self.solution.scene.profile
-        try:
-            x = places_of(profile, self.solution.zones)
-            return Direction.by_parameter(profile, Parameter(table, key, index), x)
-        except MovedPlaces:
-            raise SceneError(
-                f"{name}: it moves corners, kinks or jumps of the profile, and derivatives by "
-                "their places are not known: use differences of solutions",
-                "to",
-                name,
-            ) from None
-
-    def _of_pull_off(self, name: str, index: int | None) -> tuple[float, float]:
-        """(derivative, error) of the pull-off load by one parameter of the scene.
-        The derivative by the value of the control is 0.
-        """
-        table, _, key = name.partition(".")
-        scene, rates = self.solution.scene, self._pull_off
-        if table == "control":
-            return 0.0, 0.0
-        if table in scene.profile.bodies and not (key == "period" and scene.period):
-            return rates.along(self._direction(name, index)[0])
-        # The pull-off load is homogeneous of degree one in E* and the edge intensity K.
-        itself, error = rates.along(Direction.itself(scene.profile))
-        by_intensity = rates.load - itself
-        if table == "law":
-            power = self._intensity_rate(name)
-            return power * by_intensity, abs(power) * error
-        if name == MODULUS:
-            power = self._intensity_rate(name)
-            return itself / scene.E_star + power * by_intensity, 2 * error / scene.E_star
-        assert scene.period is not None
-        stretched, more = rates.along(Direction.by_period(scene.profile))
-        return (stretched + 0.5 * by_intensity) / scene.period, (more + error) / scene.period
-
-    @cached_property
-    def _pull_off(self) -> PullOffRates:
-        return PullOffRates(self.solution)
-
-    def _intensity_rate(self, name: str) -> float:
-        """Derivative of ln K by the modulus or a parameter of the law; 0 without adhesion.
-        K is the edge intensity.
-        """
-        law, E_star = self.solution.scene.law, self.solution.scene.E_star
-        if not self._adheres():
-            return 0.0
-        value, key = float(self._value(name)), name.partition(".")[2]
-
-        def intensity(at: float) -> float:
-            if name == MODULUS:
-                return law.intensity(at)
-            return float(remade(law, {key: at}).intensity(E_star))
-
-        return _difference(intensity, value, STEP * abs(value)) / law.intensity(E_star)
-
-    @cached_property
-    def _itself(self) -> Change:
-        """Derivatives of all numbers along the profile f itself: f changes to f + e f."""
-        return self.linearized.along(Direction.itself(self.solution.scene.profile))
-
-    def _value_change(self, degrees: dict[str, float]) -> Change:
-        """A change in which every number changes by itself times its exponent in `degrees`.
-        The pressure does not change.
-        """
-        values = self.linearized.values
-        part = Numbers.of_degrees(values, degrees)
-        error = abs(part) * (3 * self.solution.error)
-        return Change(part, error, lambda x: np.zeros(np.shape(x)))
-
-    @cached_property
-    def _modulus_alone(self) -> Change:
-        """Derivatives of all numbers by E*, times E*, at a fixed load and edge intensity."""
-        return self._itself.plus(self._value_change(OF_HEIGHT), -1.0)
-
-    @cached_property
-    def _intensity(self) -> Change:
-        """Derivatives of all numbers by the edge intensity K, times K, at fixed load and E*."""
-        solution = self.solution
-        own = self._value_change(OF_PRESSURE)
-        own = replace(own, pressure=lambda x: solution.pressure(x))
-        found = own.plus(self.linearized.by_load, -solution.load)
-        return found.plus(self._modulus_alone, -1.0)
-
-    def _adheres(self) -> bool:
-        scene = self.solution.scene
-        return scene.law.intensity(scene.E_star) != 0.0
-
-    @cached_property
-    def _by_modulus(self) -> Change:
-        scene, change = self.solution.scene, self._modulus_alone
-        if self._adheres():
-            change = change.plus(self._intensity, scene.E_star * self._intensity_rate(MODULUS))
-        return change.times(1.0 / scene.E_star)
-
-    def _by_control(self, key: str) -> Response:
-        scene = self.solution.scene
-        if key == "tilt":
-            change = self.linearized.along(
-                Direction.given(scene.profile, lambda x: -x, lambda x: -np.ones_like(x))
-            )
-            return self._response(change)
-        if key == "moment":
-            return self._response(self.linearized.by_moment)
-        held, control = scene.control_object.held(scene), scene.control_object
-        assert held is not None
-        other = replace(control, value=2.0 * control.value).held(scene)
-        assert other is not None
-        nothing = self.linearized.by_load.times(0.0)
-        return self._response(nothing, (other.value - held.value) / control.value)
-
-    def _by_law(self, key: str) -> Response:
-        law = self.solution.scene.law
-        value = float(getattr(law, key))
-        if law.kappa != remade(law, {key: value * (1 + STEP) or STEP}).kappa:
-            raise SceneError(
-                f"law.{key}: it changes the pressure of bodies that differ elastically, and "
-                "derivatives by it are not known: use differences of solutions",
-                "to",
-                f"law.{key}",
-            )
-        if not self._adheres():
-            return self._response(self._by_shear(key, value))
-        return self._response(self._intensity.times(self._intensity_rate(f"law.{key}")))
-
-    def _by_shear(self, key: str, value: float) -> Change:
-        """The derivative by a parameter of a law of friction, which changes the stresses only."""
-        nothing = self.linearized.by_load.times(0.0)
-        if self.stress is None:
-            return nothing
-        law = self.solution.scene.law
-
-        def ratio(at: float) -> float:
-            return float(remade(law, {key: at}).shear_ratio)
-
-        rate = _difference(ratio, value, STEP * value) if value else (ratio(STEP) - ratio(0)) / STEP
-        turned = self.stress.by_shear * rate
-        error = np.abs(turned) * (4 * (self.solution.error + self.stress.missed))
-        return replace(
-            nothing,
-            values=replace(nothing.values, max_stress=turned),
-            errors=replace(nothing.errors, max_stress=error),
-        )
-
-    def _by_period(self) -> Response:
-        scene = self.solution.scene
-        profile, period = scene.profile, scene.period
-        assert period is not None
-        if not scene.operator.is_plain or scene.operator.is_own or len(profile.bodies) > 1:
-            raise SceneError(
-                "profile.period: derivatives by it are known for one body on a half-plane",
-                "to",
-                "profile.period",
-            )
-        try:
-            change = self.linearized.along(Direction.by_period(profile))
-        except MovedPlaces:
-            raise SceneError(
-                "profile.period: the places of points, kinks or jumps do not grow with it: use "
-                "differences of solutions",
-                "to",
-                "profile.period",
-            ) from None
-        degrees = {"zones": 1.0, "max_pressure": -1.0, "max_stress": -1.0}
-        change = change.plus(self._value_change(degrees), 1.0)
-        if self._adheres():
-            change = change.plus(self._intensity, 0.5)
-        unknown = replace(change.times(1.0 / period), pressure=_not_known)
-        held = scene.control_object.held(scene)
-        wider = scene.profile.varied({"profile": {"period": 2.0 * period}})
-        other = scene.control_object.held(replace(scene, profile=wider))
-        assert held is not None and other is not None
-        target = (other.value - held.value) / period
-        return replace(self._response(unknown, target), of_period=1.0)
-
-    # The next method passes from a fixed load to a fixed value of the control.
-
     def _response(self, change: Change, target: float = 0.0) -> Response:
         """Derivatives at a fixed value of the control, from those at a fixed load (`change`).
 
         target: derivative of the value [SI] that the control prescribes.
         """
-        held = self.solution.scene.control_object.held(self.solution.scene)
-        assert held is not None
-        if held.quantity is Quantity.LOAD and target == 0.0:
-            by_load = self.linearized.by_load if self.stress is not None else None
-            return Response(self.solution, change, self.note, by_load=by_load)
-        by_load = self.linearized.by_load
-        of_change, change_error = _controlled(held.quantity, change)
-        of_load, load_error = _controlled(held.quantity, by_load)
-        if not np.isfinite(of_load) or of_load == 0.0:
-            raise SceneError(
-                "the control does not depend on the load here: there are no derivatives at its "
-                "given value",
-                "control",
-            )
-        load = (target - of_change) / of_load
-        error = (change_error + abs(load) * load_error) / abs(of_load)
-        found = change.plus(by_load, load)
-        return Response(
-            self.solution,
-            replace(found, errors=found.errors + abs(by_load.values) * error),
-            self.note,
-            by_load=by_load,
-        )
+        found = self.linearized.at_control(change, target)
+        by_load = self.linearized.by_load if self.stress is not None else None
+        return Response(self.solution, found, self.note, by_load=by_load)
 
     @cached_property
     def note(self) -> str:
@@ -649,46 +323,6 @@ class Sensitivity(sie.Kept):
                 "contact"
             )
         return ""
-
-
-def _not_known(x: Array) -> Array:
-    raise SceneError(
-        "the derivative of the pressure by the period at fixed x is not known: use that of numbers",
-        "x",
-    )
-
-
-def _controlled(quantity: Quantity, change: Change) -> tuple[float, float]:
-    """(derivative, error) of the quantity that a control prescribes."""
-    values, errors = change.values, change.errors
-    if quantity is Quantity.LOAD:
-        return values.load, errors.load
-    if quantity is Quantity.APPROACH:
-        value, error = values.largest("approach"), errors.largest("approach")
-        return float(value), float(error)
-    width = float(np.diff(values.zones).sum()), float(errors.zones.sum())
-    return width if quantity is Quantity.WIDTH else (0.5 * width[0], 0.5 * width[1])
-
-
-def _difference(function: Callable[[float], float], at: float, step: float) -> float:
-    """Derivative of `function` at the number `at`, by a central difference of order 8."""
-    terms = (
-        weight * (function(at + k * step) - function(at - k * step))
-        for k, weight in enumerate(WEIGHTS, 1)
-    )
-    return sum(terms) / step
-
-
-def _parted(to: str) -> tuple[str, int | None]:
-    """(name, index or None) of a key such as "profile.cosine[2]"."""
-    if not isinstance(to, str):
-        raise SceneError.of("to", to, "a name such as 'profile.amplitude'")
-    name, bracket, index = to.partition("[")
-    if not bracket:
-        return name, None
-    if not (index.endswith("]") and index[:-1].isdigit()):
-        raise SceneError.of("to", to, "a name, or a name with an index such as profile.cosine[2]")
-    return name, int(index[:-1])
 
 
 def sensitivity(

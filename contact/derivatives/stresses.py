@@ -22,6 +22,7 @@ from contact.derivatives.places import Window
 from contact.derivatives.rates import Rate
 from contact.errors import SceneError
 from contact.formulation.protocol import Fields
+from contact.formulation.quadrature import chebyshev_nodes
 from contact.formulation.tolerances import TOLERANCES
 from contact.inside.field import exact_stress
 from contact.inside.largest import Criterion, peaks
@@ -230,7 +231,7 @@ def _stationary(
     function: Callable[[Array, Array], Array], x: float, y: float, max_steps: int = 8
 ) -> tuple[float, float]:
     """The place near (x, y), y > 0, at which the gradient of an analytic function vanishes."""
-    t = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+    t = chebyshev_nodes(NODES)
     half, degree = y / SHARE, NODES - 1
     across, down = (part.ravel() for part in np.meshgrid(t, t, indexing="ij"))
     value = function(x + half * across, y + half * down).reshape(NODES, NODES)

@@ -10,19 +10,22 @@ import numpy as np
 
 from contact.derivatives.result import Sensitivity
 from contact.errors import SceneError
+from contact.model.checks import one_of
 from contact.model.scene import Scene
-from contact.sweeps.sweep.keys import MODULUS, tables, varied
+from contact.sweeps.sweep.keys import numbers_of, varied
 from sie import Array
 
 
 @dataclass(frozen=True)
 class Variables:
     """The data of a scene that a design may change.
-    They have names, numbers of entries, and bounds for all entries.
+
+    own: the scene's own values by name. counts: numbers of entries of the data. low, high: bounds
+    of all entries.
     """
 
     scene: Scene
-    names: tuple[str, ...]
+    own: dict[str, Any]
     counts: tuple[int, ...]
     low: Array
     high: Array
@@ -38,9 +41,11 @@ class Variables:
                 over,
                 "a mapping of one or more names, such as 'profile.amplitude', to bounds",
             )
+        known = numbers_of(scene)
+        own = {one_of("over", name, known): known[name] for name in over}
         counts, low, high = [], [], []
         for name, bounds in over.items():
-            value = np.asarray(_value(scene, name), dtype=float)
+            value = np.asarray(own[name], dtype=float)
             try:
                 # A profile leaves out zeros at the end of its list of coefficients, so the bounds
                 # may have more entries than the list.
@@ -56,14 +61,14 @@ class Variables:
             counts.append(count)
             low.append(lo)
             high.append(hi)
-        return cls(scene, tuple(over), tuple(counts), np.concatenate(low), np.concatenate(high))
+        return cls(scene, own, tuple(counts), np.concatenate(low), np.concatenate(high))
 
     @property
     def start(self) -> Array:
         """The scaled vector that gives the scene's own data; its entries run from 0 to 1."""
         values = [
-            _padded(_value(self.scene, name), count)
-            for name, count in zip(self.names, self.counts, strict=True)
+            _padded(value, count)
+            for value, count in zip(self.own.values(), self.counts, strict=True)
         ]
         return np.asarray((np.concatenate(values) - self.low) / (self.high - self.low))
 
@@ -77,8 +82,8 @@ class Variables:
         entries = np.where(entries == 0.0, np.finfo(float).tiny, entries)
         parts = np.split(entries, np.cumsum(self.counts)[:-1])
         return {
-            name: part if np.ndim(_value(self.scene, name)) else float(part[0])
-            for name, part in zip(self.names, parts, strict=True)
+            name: part if np.ndim(value) else float(part[0])
+            for (name, value), part in zip(self.own.items(), parts, strict=True)
         }
 
     def scene_of(self, vector: Array) -> Scene:
@@ -99,37 +104,18 @@ class Variables:
         Their shape is (entries of the vector, *shape of the result).
         """
         parts = []
-        for name in self.names:
+        for name, own in self.own.items():
             value = np.asarray(by.of(number, to=name).value)
-            parts.append(value if np.ndim(_value(self.scene, name)) else value[None])
+            parts.append(value if np.ndim(own) else value[None])
         table = np.concatenate(parts)
         return np.asarray(table * (self.high - self.low).reshape((-1,) + (1,) * (table.ndim - 1)))
 
     def top_slopes(self, by: Sensitivity) -> Array:
         """Derivatives of the pressure at its local maxima by the vector (entries, maxima)."""
-        table = np.concatenate([by.of_tops(name) for name in self.names])
+        table = np.concatenate([by.of_tops(name) for name in self.own])
         return np.asarray(table * (self.high - self.low)[:, None])
 
 
 def _padded(value: Any, count: int) -> Array:
     entries = np.ravel(np.asarray(value, dtype=float))
     return np.append(entries, np.zeros(count - entries.size))
-
-
-def _value(scene: Scene, name: Any) -> Any:
-    table, _, key = str(name).partition(".")
-    known = tables(scene)
-    if name == MODULUS:
-        return scene.E_star
-    if table in ("interaction", "substrate") or key not in known.get(table, {}):
-        names = [
-            f"{one}.{key}"
-            for one, values in known.items()
-            if one not in ("interaction", "substrate")
-            for key in values
-        ]
-        raise SceneError.of("over", name, f"one of {', '.join([MODULUS, *names])}")
-    value = known[table][key]
-    if np.asarray(value).dtype.kind not in "fi":
-        raise SceneError.of(name, value, "a number, or an array of numbers")
-    return value

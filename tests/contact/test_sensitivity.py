@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import contact
+from contact.derivatives.parameters import OF_PRESSURE
 from contact.derivatives.response import NUMBERS
-from contact.derivatives.result import OF_PRESSURE
 from contact.derivatives.stresses import LargestStress
 from contact.inside.largest import Criterion
 from contact.model.scene import Scene
@@ -118,7 +118,7 @@ TOL = 1e-11
 def changed(scene: Scene, to: str, factor: float) -> Scene:
     """The scene with another value of one of its data."""
     name, _, index = to.partition("[")
-    value = contact.sensitivity(contact.solve(scene))._value(name)
+    value = contact.sensitivity(contact.solve(scene))._rates.values[name]
     if not index:
         return varied(scene, {name: float(value) * factor})
     table, _, key = name.partition(".")
@@ -163,11 +163,11 @@ def test_derivatives_are_those_of_differences_on_every_route(route: str) -> None
     names = [name for name in NUMBERS if defined(solution, name)]
     sizes = np.concatenate([size_of(solution, name) for name in names])
     for to in keys:
-        value = abs(np.ravel(by._value(to.partition("[")[0])))
+        value = abs(np.ravel(by._rates.values[to.partition("[")[0]]))
         unit = value[int(to.partition("[")[2][:-1])] if "[" in to else value[0]
         found = np.concatenate([np.ravel(by.of(name, to).value) for name in names]) * unit
         expected = by_differences(scene, to, numbers_of)
-        if "[" in to and np.ravel(by._value(to.partition("[")[0]))[int(to[-2])] < 0:
+        if "[" in to and np.ravel(by._rates.values[to.partition("[")[0]])[int(to[-2])] < 0:
             expected = -expected
         assert np.abs((found - expected) / sizes).max() < 1e-8, (to, names)
 
@@ -187,7 +187,7 @@ def size_of(solution: contact.Solution, name: str) -> Any:
 def test_without_adhesion_no_derivative_depends_on_an_edge_intensity(route: str) -> None:
     """J(E*, P, K) is homogeneous: without K, E* dJ/dE* + P dJ/dP is the degree times J."""
     by = contact.sensitivity(contact.solve(ROUTES[route][0], TOL))
-    left, values = by._intensity.values, by.linearized.values
+    left, values = by._rates._intensity.values, by.linearized.values
     for name in OF_PRESSURE:
         rest, size = np.asarray(getattr(left, name)), np.asarray(getattr(values, name))
         if np.isfinite(rest).all() and name != "stiffness":
@@ -452,7 +452,7 @@ def test_the_largest_stress_has_the_derivatives_of_differences(name: str) -> Non
     by = contact.sensitivity(solution, 0.3, criterion, lateral)
     size = largest_stress(solution, criterion, lateral)
     for to in keys:
-        table = np.ravel(by._value(to.partition("[")[0]))
+        table = np.ravel(by._rates.values[to.partition("[")[0]])
         unit = table[int(to[-2])] if "[" in to else table[0]
         expected = by_differences(scene, to, lambda one: largest_stress(one, criterion, lateral))
         found = by.of("max_stress", to)

@@ -110,6 +110,19 @@ def tables(scene: Scene) -> dict[str, dict[str, Any]]:
     return shapes | {table: parameters(getattr(scene, table)) for table in PARTS}
 
 
+def numbers_of(scene: Scene) -> dict[str, Any]:
+    """The modulus, and all numbers and arrays of numbers of the profile and the law, by key."""
+    found: dict[str, Any] = {MODULUS: scene.E_star}
+    for table, values in tables(scene).items():
+        for name, value in values.items():
+            if table not in ("interaction", "substrate") and all(
+                isinstance(one, (int, float, np.number)) and not isinstance(one, bool)
+                for one in np.asarray(value, dtype=object).ravel()
+            ):
+                found[f"{table}.{name}"] = value
+    return found
+
+
 def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
     """The scene with other values of some keys. A varied control replaces the scene's control."""
     changed: dict[str, Any] = {}
