@@ -60,7 +60,8 @@ if TYPE_CHECKING:
     from contact.derivatives.response import Derivative, Response
     from contact.derivatives.result import Sensitivity, sensitivity
     from contact.design.objective import Measured, Objective
-    from contact.design.optimize import Design, optimize
+    from contact.design.optimize import optimize
+    from contact.design.result import Design
     from contact.explorer.explore import explore
     from contact.inside.stress import Stress
     from contact.inside.yielding import Yield
@@ -91,7 +92,8 @@ _HOMES = {
     "contact.sweeps.paths": "Path",
     "contact.sweeps.sweep.run": "sweep",
     "contact.design.objective": "Measured Objective",
-    "contact.design.optimize": "Design optimize",
+    "contact.design.optimize": "optimize",
+    "contact.design.result": "Design",
     "contact.derivatives.response": "Derivative Response",
     "contact.derivatives.result": "Sensitivity sensitivity",
     "contact.slip.history": "load_history",

@@ -220,7 +220,7 @@ class ParameterRates(sie.Kept):
     def _by_law(self, name: str) -> Change:
         law = self.scene.law
         value = float(getattr(law, name))
-        if law.kappa != remade(law, {name: value * (1 + STEP)}).kappa:
+        if law.kappa != remade(law, {name: value * (1 + STEP) or STEP}).kappa:
             raise SceneError(
                 f"law.{name}: it changes the pressure of bodies that differ elastically, and "
                 "derivatives by it are not known: use differences of solutions",

@@ -1,0 +1,167 @@
+"""Searches for the best design.
+
+The largest pressure is that of several local maxima p_k, and designs that make it small have
+several of them equal: it has no derivative there, but each p_k has. So the search is for the least
+t that no p_k exceeds, and a largest pressure that is allowed bounds each p_k.
+
+The search is that of scipy.optimize: SLSQP (D. Kraft, DFVLR-FB 88-28, 1988) under conditions,
+L-BFGS-B (R. H. Byrd, P. Lu, J. Nocedal and C. Zhu, SIAM J. Sci. Comput. 16, 1995, 1190) without,
+and least squares for measured values. What it finds is a local optimum: `Design.optimality` says
+how nearly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contact.design.problem import Problem
+from contact.design.result import Design
+from contact.extras import require
+from contact.formulation.tolerances import TOLERANCES
+from sie import Array
+
+
+def minimum(problem: Problem) -> Design:
+    """The design with the smallest objective, by SLSQP under conditions, else by L-BFGS-B."""
+    start = problem.variables.start
+    first = problem.gradient(start)
+    # The search counts in units of the first gradient: then steps and tolerances are of order 1.
+    unit = float(np.abs(first).max()) or 1.0
+    if problem.levels:
+        return _lowest_levels(problem, unit)
+    arguments: dict[str, Any] = {
+        "method": "L-BFGS-B",
+        "options": {"ftol": TOLERANCES.rounding, "gtol": problem.tol},
+    }
+    if problem.conditions:
+        condition = {"type": "ineq", "fun": problem.rooms, "jac": problem.room_slopes}
+        arguments = {
+            "method": "SLSQP",
+            "constraints": [condition],
+            "options": {"ftol": problem.tol},
+        }
+    found = require("scipy.optimize").minimize(
+        lambda v: problem.value(_within(v)) / unit,
+        start,
+        jac=lambda v: problem.gradient(_within(v)) / unit,
+        bounds=[(0.0, 1.0)] * len(start),
+        **arguments,
+    )
+    best = _within(found.x)
+    left = _unbalanced(problem, best)
+    return _design(problem, best, left / float(np.linalg.norm(first) or 1.0), str(found.message))
+
+
+def _lowest_levels(problem: Problem, unit: float) -> Design:
+    """The least mean of levels t, one for each value of the control, that no maximum exceeds.
+
+    The vector of the search is that of the data, and t over `unit`.
+    """
+    start, many = problem.variables.start, len(problem.at)
+    n, mean = len(start), np.concatenate((np.zeros(len(start)), np.full(many, 1 / many)))
+
+    def rooms(both: Array) -> Array:
+        vector = _within(both[:n])
+        below = both[n:, None] - problem.tops(vector) / unit
+        return np.concatenate((below.ravel(), problem.rooms(vector)))
+
+    def slopes(both: Array) -> Array:
+        return _level_slopes(problem, _within(both[:n]), unit)
+
+    levels = problem.tops(start).max(axis=1) / unit
+    found = require("scipy.optimize").minimize(
+        lambda both: float(mean @ both),
+        np.concatenate((start, levels)),
+        jac=lambda both: mean,
+        bounds=[(0.0, 1.0)] * n + [(0.0, None)] * many,
+        method="SLSQP",
+        constraints=[{"type": "ineq", "fun": rooms, "jac": slopes}],
+        options={"ftol": problem.tol, "maxiter": max(100, 10 * n)},  # as many peaks become equal
+    )
+    best = _within(found.x[:n])
+    tops = problem.tops(best)
+    below = 1 - tops / tops.max(axis=1)[:, None]
+    active = np.concatenate((below.ravel(), problem.rooms(best))) <= problem.tol**0.5
+    rows = list(_level_slopes(problem, best, unit)[active]) + _at_bounds(problem, best, n + many)
+    return _design(problem, best, _left(mean, rows) * np.sqrt(many), str(found.message))
+
+
+def _level_slopes(problem: Problem, vector: Array, unit: float) -> Array:
+    """Derivatives of levels minus local maxima, and of the conditions' rooms."""
+    many, n = len(problem.at), len(vector)
+    tops = problem.top_slopes(vector)
+    rows = np.zeros((*tops.shape[:2], n + many))
+    rows[:, :, :n] = -tops / unit
+    for level in range(many):
+        rows[level, :, n + level] = 1.0
+    rest = problem.room_slopes(vector)
+    rest = np.concatenate((rest, np.zeros((len(rest), many))), axis=1)
+    return np.concatenate((rows.reshape(-1, n + many), rest))
+
+
+def least_squares(problem: Problem) -> Design:
+    """The design that fits measured values best, with the covariance of its data."""
+    start = problem.variables.start
+    first = float(np.linalg.norm(problem.gradient(start))) or 1.0
+    found = require("scipy.optimize").least_squares(
+        lambda v: problem.residuals(_within(v)),
+        np.clip(start, problem.tol, 1 - problem.tol),
+        jac=lambda v: problem.residual_slopes(_within(v)),
+        bounds=(0.0, 1.0),
+        xtol=problem.tol,
+        ftol=problem.tol,
+        gtol=problem.tol,
+    )
+    best = _within(found.x)
+    slopes = problem.residual_slopes(best)
+    scale = problem.variables.high - problem.variables.low
+    covariance = np.linalg.pinv(slopes.T @ slopes) * np.outer(scale, scale)
+    design = _design(problem, best, _unbalanced(problem, best) / first, str(found.message))
+    return replace(design, covariance=covariance)
+
+
+def _within(vector: Array) -> Array:
+    return np.clip(np.asarray(vector, dtype=float), 0.0, 1.0)
+
+
+def _unbalanced(problem: Problem, vector: Array) -> float:
+    """Norm of the part of the gradient that active bounds and conditions do not balance."""
+    rows = _at_bounds(problem, vector, len(vector))
+    active = problem.rooms(vector) <= problem.tol**0.5
+    return _left(problem.gradient(vector), rows + list(problem.room_slopes(vector)[active]))
+
+
+def _at_bounds(problem: Problem, vector: Array, count: int) -> list[Array]:
+    """Inward directions, with `count` entries, of the bounds that hold a vector."""
+    close, unit = problem.tol**0.5, np.eye(count)
+    low = [unit[k] for k in np.flatnonzero(vector <= close)]
+    return low + [-unit[k] for k in np.flatnonzero(vector >= 1 - close)]
+
+
+def _left(gradient: Array, rows: list[Array]) -> float:
+    """Norm of the part of a gradient that is no sum of rows with multipliers of the right sign.
+
+    The multipliers are those of least squares (Karush, Kuhn & Tucker).
+    """
+    unit = float(np.linalg.norm(gradient)) or 1.0
+    if not rows:
+        return float(np.linalg.norm(gradient))
+    left: Callable[..., Any] = require("scipy.optimize").nnls
+    return float(left(np.array(rows).T, gradient / unit)[1]) * unit
+
+
+def _design(problem: Problem, vector: Array, optimality: float, message: str) -> Design:
+    found = problem.contact(vector)
+    return Design(
+        found.solutions[0].scene,
+        problem.variables.values(vector),
+        found.solutions,
+        problem.value(vector),
+        optimality,
+        tuple(problem.history),
+        message=message,
+    )
