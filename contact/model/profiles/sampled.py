@@ -127,7 +127,7 @@ def read_trace(
         has several.
     line : int, or two points, or None
         The line of a map, which a text file gives as rows of x, y and z on a grid: its number from
-        0, or [[x, y], [x, y]] [m] from where to where.
+        0, or its end points `[[x, y], [x, y]]` in metres.
     along : str or None
         "x" (as if left out) or "y": the direction of a numbered line.
     invert : bool or None
