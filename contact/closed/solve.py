@@ -31,6 +31,7 @@ from contact.model.interactions import Interaction
 from contact.model.laws import Law
 from contact.model.profiles.base import is_of_package
 from contact.model.scene import Scene
+from contact.model.units import counted
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate
@@ -224,13 +225,14 @@ def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
         if part.name == "coarse search":
             part.used, part.reason = False, "one zone of a line, without a coupled system"
         elif part.name == "zone ends":
-            steps = f"{zone.steps} Newton steps in one series of {zone.nodes} nodes"
+            steps = counted(zone.steps, "Newton step")
+            steps += f" in one series of {counted(zone.nodes, 'node')}"
             part.detail = "" if given else steps
             part.seconds = took if part.used else None
         elif part.name == "kinks":
             part.used = zone.problem.kink > 0.0
             if part.used:
-                part.reason = "1 jumps of the slope or its derivatives inside zones"
+                part.reason = "1 jump of the slope or its derivatives inside zones"
         elif part.name == "symmetry":
             part.used = True
         elif part.name == "certificate":

@@ -380,7 +380,7 @@ def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) ->
     rows = [*report.numbers(solution), ("time", quantity(seconds, "s", 3), "")]
     show_table(report.title(solution.scene), report.HEADS, rows, numeric=(1, 2))
     show_table("checked", ("what", "value"), report.checks(solution))
-    if columns := report.zone_columns(solution, zones_shown, first=("zone", 1)):
+    if columns := report.zone_columns(solution, zones_shown):
         show_columns("zones", columns, close=True)
     if (more := len(solution.zones) - zones_shown) > 0:
         click.echo(f"the {zones_shown} widest zones; --csv writes {more} more")

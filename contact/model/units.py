@@ -68,6 +68,17 @@ def rounded(value: float, digits: int) -> str:
     return f"{float(text):.0f}" if "e+" in text and abs(value) < 1e6 else text
 
 
+def counted(count: int, one: str, many: str | None = None) -> str:
+    """A count with its noun, which is `one` for 1, and otherwise `many`: `one` with an s if None.
+
+    Examples
+    --------
+    >>> counted(1, "zone"), counted(0, "zone"), counted(2, "jump of f'", "jumps of f'")
+    ('1 zone', '0 zones', "2 jumps of f'")
+    """
+    return f"{count} {one if count == 1 else many or one + 's'}"
+
+
 def headed(
     name: str,
     values: Sequence[float | None],
@@ -80,7 +91,9 @@ def headed(
     alike: values of other columns that have the same unit.
     """
     if unit in ("", "1"):
-        return name, ["-" if value is None else f"{value:.{digits}g}" for value in values]
+        return name, [
+            "-" if value is None or math.isnan(value) else f"{value:.{digits}g}" for value in values
+        ]
     found, cells = column(values, unit, digits, alike)
     return f"{name}\n[{found}]", cells
 
@@ -88,14 +101,18 @@ def headed(
 def column(
     values: Sequence[float | None], unit: str, digits: int = 6, alike: Sequence[float | None] = ()
 ) -> tuple[str, list[str]]:
-    """The unit of a table column, and its values as numbers without unit; '-' for None.
+    """The unit of a table column, and its values as numbers without unit; '-' for None and nan.
 
     alike: values of other columns that have the same unit.
     """
     sizes = [abs(v) for v in (*values, *alike) if v is not None and math.isfinite(v)]
     factor, name = scaled(max(sizes, default=0.0), unit)
     return name, [
-        "-" if v is None else rounded(v * factor, digits) if math.isfinite(v) else _INFINITE[v > 0]
+        "-"
+        if v is None or math.isnan(v)
+        else rounded(v * factor, digits)
+        if math.isfinite(v)
+        else _INFINITE[v > 0]
         for v in values
     ]
 

@@ -9,6 +9,7 @@ import numpy as np
 from contact.errors import NotConverged
 from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
+from contact.model.units import counted
 from contact.plastic.fields import PlasticFields
 from contact.plastic.grid import proposed_spots
 from contact.plastic.loop import NARROW_RIM, PlasticLoop
@@ -44,7 +45,7 @@ def found(context: SolveContext) -> SolvedZones:
     for _ in range(SEARCH.max_attempts):
         with context.plan.timed("coarse search"):
             spots, count = proposed_spots(scaled, context.scene.law.pressure_range.highest, points)
-        part.detail = f"{count} points, {len(spots.plateaus)} plateaus proposed"
+        part.detail = f"{count} points, {counted(len(spots.plateaus), 'plateau')} proposed"
         outcome = _solved(context, scaled, spots)
         if isinstance(outcome, SolvedZones):
             return outcome

@@ -58,9 +58,7 @@ def zone_frame(slip: Slip) -> Any:
     columns: dict[str, Any] = {
         name: np.array([row[k] for row in rows]) for k, name in enumerate(INTERVAL_COLUMNS)
     }
-    frame = require("pandas").DataFrame(columns)
-    frame.attrs["units"] = dict.fromkeys(INTERVAL_COLUMNS[:3], "m")
-    return frame
+    return export.frame_of(columns, 3 * ["m"])
 
 
 def _fields(slip: Slip) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from contact.formulation.protocol import Fields
 from contact.inside.field import body_points, error_at, needs_half_plane, unit_pressure
 from contact.inside.stress import Stress, stress_from, tension_along
 from contact.model.checks import real
-from contact.model.units import quantity
+from contact.model.units import counted, quantity
 from contact.slip.memory import SlipStep
 from contact.slip.work import LoadPoint, lost
 from contact.solution.solution import Solution
@@ -220,7 +220,7 @@ class Slip(sie.Kept):
         what = (
             "slides everywhere"
             if self.slides
-            else f"{zones} zone{'s' * (zones > 1)} of {quantity(width, 'm')} stick"
+            else f"{counted(zones, 'zone')} of {quantity(width, 'm')} stick"
         )
         load, shear = (quantity(v, "N/m") for v in (self.solution.load, self.tangential_load))
         loads = f"P = {load}, Q = {shear}"

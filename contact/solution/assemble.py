@@ -25,7 +25,7 @@ from contact.formulation.tolerances import TOLERANCES
 from contact.formulation.units import Units
 from contact.model.profiles.base import is_of_package
 from contact.model.scene import Scene
-from contact.model.units import quantity
+from contact.model.units import counted, quantity
 from contact.solution.plan import Plan
 from contact.solution.quantities import PullOff
 from contact.solution.solution import Solution, limit_of_approach
@@ -53,14 +53,17 @@ def zone_solution(
     plan["symmetry"].used = zones.symmetric
     if not zones.symmetric and scene.profile.symmetric and not scene.law.kappa:
         plan["symmetry"].reason = "the zones straddle the border of the cell"
-    plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
-    plan["certificate"].detail = f"{found.certificate.points} points"
+    plan["zone ends"].detail = ", ".join(
+        (counted(len(found.free.trace), "Newton step"), counted(found.rounds, "round"))
+    )
+    plan["certificate"].detail = counted(found.certificate.points, "point")
     poles = density.jumps.poles
     jumps = len(density.jumps) - len(poles)
     plan["kinks"].used = jumps > 0 or len(poles.points[0]) > 0
     if plan["kinks"].used:
-        powers = f", {len(poles.points[0])} algebraic points" if len(poles.points[0]) else ""
-        plan["kinks"].reason = f"{jumps} jumps of the slope or its derivatives inside zones{powers}"
+        of = "of the slope or its derivatives inside zones"
+        powers = f", {counted(count, 'algebraic point')}" if (count := len(poles.points[0])) else ""
+        plan["kinks"].reason = counted(jumps, f"jump {of}", f"jumps {of}") + powers
     if density.slit_count:
         plan["slits"].used, plan["slits"].reason = True, "narrow gaps between zones"
         plan[
@@ -87,7 +90,9 @@ def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Sol
     """
     fields = found.fields
     plan["zone ends"].reason = "nearly full contact: the gaps are solved for"
-    plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {len(fields.zones)} gaps"
+    plan["zone ends"].detail = ", ".join(
+        (counted(len(found.free.trace), "Newton step"), counted(len(fields.zones), "gap"))
+    )
     if not scene.law.kappa:
         plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
     _record_sizes(plan, len(fields.zones), found.free.state)
@@ -246,7 +251,7 @@ def _record_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
     if sizes.iterations:
         sums = plan["fast sums"]
         sums.used, sums.reason = True, "many unknowns: sums by trees, GMRES for the matrix"
-        sums.detail = f"{sizes.iterations} iterations"
+        sums.detail = counted(sizes.iterations, "iteration")
     plan.counts.update(
         zones=zones,
         own_modes=int(sizes.own.sum()),

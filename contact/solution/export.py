@@ -113,8 +113,18 @@ def zone_table(solution: Solution) -> list[tuple[float, ...]]:
 def zone_frame(solution: Solution) -> Any:
     """The zone table as a pandas.DataFrame with `attrs["units"]`."""
     table = np.reshape(zone_table(solution), (-1, len(ZONE_COLUMNS)))
-    frame = require("pandas").DataFrame(table, columns=list(ZONE_COLUMNS))
-    frame.attrs["units"] = dict(zip(ZONE_COLUMNS, ZONE_UNITS, strict=True))
+    return frame_of(dict(zip(ZONE_COLUMNS, table.T, strict=True)), ZONE_UNITS, "zone")
+
+
+def frame_of(table: Mapping[str, Any], units: Sequence[str], row: str | None = None) -> Any:
+    """A pandas.DataFrame of columns by name, with the units of the first ones in its attributes.
+
+    row: the name of what each row stands for, numbered from 0.
+    """
+    require("pandas")  # the module of the next line may be loaded, and pandas not
+    frame = require("contact.solution.zone_frame").ZoneFrame(table)
+    frame.index.name = row
+    frame.attrs["units"] = dict(zip(table, units, strict=False))
     return frame
 
 

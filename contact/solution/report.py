@@ -138,7 +138,8 @@ def _quantities(solution: Solution) -> Iterator[Row]:
         found.append(("tilt", solution.tilt, "rad", None))
         found.append(("moment", solution.moment, "N", errors.load * arm))
     for name, value, unit, bound in found:
-        if value is not None:
+        # The gap of surfaces that are apart under a load is infinite.
+        if value is not None and (np.isfinite(value) or not is_apart(solution)):
             text, shown = with_error(value, 0.0 if given.get(name) else bound, unit)
             yield name, text, "given" if given.get(name) else shown
 
@@ -158,9 +159,14 @@ def _counts(solution: Solution) -> Iterator[Row]:
 
 def zone_count(solution: Solution) -> str:
     """The number of zones, or why there are none, as text."""
-    if len(solution.zones):
-        return str(len(solution.zones))
-    return "full contact" if solution.contact_fraction else "none: the surfaces are apart"
+    if is_apart(solution):
+        return "none: the surfaces are apart"
+    return str(len(solution.zones) or "full contact")
+
+
+def is_apart(solution: Solution) -> bool:
+    """Whether the surfaces touch nowhere."""
+    return not len(solution.zones) and not solution.contact_fraction
 
 
 def checks(solution: Solution) -> list[tuple[str, str]]:
@@ -187,13 +193,9 @@ def _entry(value: object, unit: str) -> str:
     return "not defined" if value is None else str(value)
 
 
-def zone_columns(
-    solution: Solution, most: int = 10, first: tuple[str, int] = ("index", 0)
-) -> list[tuple[str, list[str]]]:
-    """Columns (header, cells) of the table of zones.
+def zone_columns(solution: Solution, most: int = 10) -> list[tuple[str, list[str]]]:
+    """Columns (header, cells) of the table of zones, numbered from 0 as in `Solution.zones`.
     If there are more than `most` zones, only the widest are shown.
-
-    first: header of the first column, and the number of the first zone.
     """
     rows = zone_table(solution)
     widest = np.argsort([-row[2] for row in rows], kind="stable")[:most]
@@ -205,7 +207,7 @@ def zone_columns(
     known = dict(zip(ZONE_COLUMNS, zip(*(rows[k] for k in places), strict=True), strict=True))
     alike = {"left": "right", "mean_pressure": "max_pressure"}
     alike |= {other: name for name, other in alike.items()}
-    columns = [(first[0], [str(first[1] + k) for k in places])]
+    columns = [("zone", list(map(str, places)))]
     for name, unit in zip(ZONE_COLUMNS, ZONE_UNITS, strict=True):
         more = 2 if name in ("left", "right") else 0
         beside = known[alike[name]] if name in alike else ()

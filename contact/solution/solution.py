@@ -21,6 +21,7 @@ from contact.model.checks import real
 from contact.model.controls import Quantity
 from contact.model.plugin_checks.forms import AuthorMethod
 from contact.model.scene import Scene
+from contact.model.units import counted
 from contact.solution.plan import Plan
 from contact.solution.quantities import Energy, PullOff, peaks
 from contact.verify.certificate import Certificate
@@ -147,8 +148,7 @@ class Solution(sie.Kept):
             raise SceneError.of(
                 "zone",
                 zone,
-                f"a whole number from 0 to {count - 1}, there being {count} "
-                f"zone{'s' * (count > 1)}",
+                f"a whole number from 0 to {count - 1}, there being {counted(count, 'zone')}",
             )
         t = real("t", t)
         if np.any(np.abs(t) > 1):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contact.model.units import headed, quantity, text_table
-from contact.solution.report import heading, label, title
+from contact.solution.report import heading, is_apart, label, title
 from contact.solution.solution import Solution
 from contact.sweeps.adhesive import AdhesivePath
 from contact.sweeps.path_table import Event, columns
@@ -39,6 +39,7 @@ def value_columns(found: Path) -> dict[str, Column]:
     do not bear a given load. With a spring, these values have a column of their own.
     """
     known: dict[str, list[float]] = columns(found.solutions)
+    apart = np.array([is_apart(solution) for solution in found.solutions])
     heads = {name: heading(name) for name in NUMBERS}
     shown = [name for name in _SHOWN if not np.isnan(known[name]).all()]
     if "contact_fraction" in shown:
@@ -55,14 +56,16 @@ def value_columns(found: Path) -> dict[str, Column]:
         if name == "zone_count":
             table[name] = (heads[name], [_zones(solution) for solution in found.solutions])
         else:
-            table[name] = headed(heads[name], known[name], NUMBERS[name][0], _SHOWN[name])
+            # The gap of surfaces that are apart under a load is infinite. The table says only that
+            # they are apart, in the column of the zones.
+            values = np.array(known[name], dtype=float)
+            cells = np.where(apart & np.isinf(values), np.nan, values).tolist()
+            table[name] = headed(heads[name], cells, NUMBERS[name][0], _SHOWN[name])
     return table
 
 
 def _zones(solution: Solution) -> str:
-    if len(solution.zones):
-        return str(len(solution.zones))
-    return "full" if solution.contact_fraction else "apart"
+    return "apart" if is_apart(solution) else str(len(solution.zones) or "full")
 
 
 def event_columns(events: Sequence[Event]) -> list[Column]:

@@ -19,6 +19,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.quadrature import chebyshev_nodes, sides
 from contact.formulation.tables import runs_of
 from contact.formulation.tolerances import TOLERANCES, allowed_overlap
+from contact.model.units import counted
 from contact.verify.minima import SAMPLING, Signs, lowest, signs_on, zoomed
 from sie import Array, Index, Mask, record
 
@@ -35,8 +36,9 @@ _FEW_PLACES = _places(SAMPLING.min_points)
 class Certificate:
     """The results of all checks of a solution, with the values that the checks found.
 
-    smallest_pressure: least value of p / sqrt(1 - t^2) on the zones [Pa]. smallest_gap: least gap
-    between the zones [m]. points: number of samples. holds: whether all checks pass. gap_rounding:
+    smallest_pressure: least value of p / sqrt(1 - t^2) on the zones [Pa]. smallest_gap: least
+    minimum of the gap between the zones [m], negative where surfaces overlap, 0 if the gap has no
+    minimum. points: number of samples. holds: whether all checks pass. gap_rounding:
     effect of rounding on the gap [m]. load_balance: relative error of the load. level_spread:
     largest difference of the zones' approaches [m]. undecided: whether a gap, or a minimum of the
     pressure, is zero within rounding, so that double precision cannot decide whether there is
@@ -194,7 +196,9 @@ def certify(
     )
     return Certificate(
         smallest_pressure=signs.least * units.pressure,
-        smallest_gap=None if gaps.least is None else gaps.least * units.height,
+        smallest_gap=None
+        if gaps.least is None
+        else least_minimum(gaps.least, gaps.lowest) * units.height,
         gap_rounding=gaps.rounding * units.height,
         load_balance=balance,
         level_spread=float(np.ptp(fields.levels)) * units.height,
@@ -210,6 +214,17 @@ def certify(
         overlaps=gaps.overlaps,
         lowest=gaps.lowest,
     )
+
+
+def least_minimum(least: float, minima: Array) -> float:
+    """The least of the minima of a gap between its ends; 0 if there is none, and it is positive.
+
+    At the ends of zones every gap is zero. So the least sample `least` of the gap only tells how
+    near to an end samples lie, unless it is negative. minima: see `lowest`.
+    """
+    if least <= 0.0:
+        return least
+    return max(least, float(minima[:, 1].min())) if len(minima) else 0.0
 
 
 def _load_balance(fields: ZoneFields, load: float) -> float:
@@ -258,7 +273,8 @@ def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
 
 def unresolved_gaps_note(gaps: int, over: str) -> str:
     width = 2 * TOLERANCES.narrowest_gap
-    return f"{gaps} gaps over kinks are left out: narrower than {width:.0e} of {over}"
+    left_out = counted(gaps, "gap over a kink is", "gaps over kinks are")
+    return f"{left_out} left out: narrower than {width:.0e} of {over}"
 
 
 def _intensity_error(fields: ZoneFields) -> float:

@@ -10,7 +10,7 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import sides
 from contact.formulation.tables import located, runs_of
 from contact.formulation.tolerances import TOLERANCES, allowed_overlap
-from contact.verify.certificate import Certificate, unresolved_gaps_note
+from contact.verify.certificate import Certificate, least_minimum, unresolved_gaps_note
 from contact.verify.minima import SAMPLING, Signs, follow, lowest, may_be_negative, signs_on
 from sie import Array, Index, record
 
@@ -29,7 +29,7 @@ def certify_gaps(fields: GapFields) -> Certificate:
         note += f"; {unresolved_gaps_note(left_out, 'the period')}"
     return Certificate(
         smallest_pressure=least * units.pressure,
-        smallest_gap=openings.least * units.height,
+        smallest_gap=least_minimum(openings.least, minima) * units.height,
         points=openings.points + points,
         gap_rounding=fields.gap_rounding * units.height,
         holds=not (negative or openings.negative),

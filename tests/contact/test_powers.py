@@ -461,4 +461,4 @@ def test_a_coefficient_a_hundredth_off_is_found(n):
 
 def test_the_plan_counts_algebraic_points():
     solution = contact.solve(Scene(power(1.5), E_STAR, Isolated(), load=1.0))
-    assert solution.plan["kinks"].used and "1 algebraic points" in solution.plan["kinks"].reason
+    assert solution.plan["kinks"].used and "1 algebraic point" in solution.plan["kinks"].reason

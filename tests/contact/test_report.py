@@ -68,9 +68,24 @@ def test_of_many_zones_the_widest_are_printed():
     solution = contact.solve(contact.Scene(waves, E, PERIODIC, mean_pressure=1e7))
     count = len(solution.zones)
     columns = dict(report.zone_columns(solution, 4))
-    shown = [int(place) for place in columns["index"]]
+    shown = [int(place) for place in columns["zone"]]
     assert count > 10 and shown == sorted(np.argsort(-solution.zone_widths, kind="stable")[:4])
     assert f"the 10 widest zones; {count - 10} more" in str(solution)
+
+
+def test_zones_have_one_number_in_every_table_and_widths_all_their_digits():
+    solution = contact.solve(SCENES["zones"])
+    frame, columns = solution.zone_table(), dict(report.zone_columns(solution))
+    assert frame.index.name == "zone"
+    assert list(frame.index) == [int(place) for place in columns["zone"]]
+    for table in (frame, frame.head(), frame[frame["load"] > 0]):
+        assert all(f"{width:.6g}" in str(table) for width in solution.zone_widths)
+        assert all(f"{width:.6g}" in table._repr_html_() for width in solution.zone_widths)
+
+
+def test_surfaces_that_are_apart_are_said_to_be_apart_and_nothing_else():
+    path = contact.path(SCENES["JKR"], [-50.0, 100.0, -2000.0])
+    assert str(path).count("apart") == 4 and "infinite" not in str(path) + str(path.solutions[0])
 
 
 def test_columns_that_are_compared_share_a_unit():
@@ -97,6 +112,12 @@ def test_values_have_the_digits_that_their_errors_allow():
     assert with_error(np.pi * 1e6, 1e2, "Pa") == ("3.14159 MPa", "0.0001 MPa")
     assert with_error(np.inf, None, "Pa") == ("infinite", "-")
     assert with_error(-2.0, 0.0, "N/m") == ("-2 N/m", "exact")
+
+
+def test_a_count_of_one_has_a_noun_in_the_singular():
+    for name, scene in SCENES.items():
+        words = str(contact.solve(scene).plan)
+        assert not re.search(r"\b1 \w+s\b(?! than)", words), name
 
 
 def test_a_text_table_aligns_words_left_and_numbers_right():

@@ -84,7 +84,7 @@ def _has_grid(context: SolveContext, control: Control) -> bool:
 
 def _decide(context: SolveContext, way: str, changes: int) -> None:
     """Record in the plan the source of the first guess, and how many zones came or went."""
-    because = "{} zones come or go from the last value"
+    because = "zones that come or go from the last value: {}"
     context.plan.decide("first guess", way, because, changes, OPTIONS.max_changes)
 
 

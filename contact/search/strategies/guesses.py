@@ -20,6 +20,7 @@ from contact.errors import ContactError, OutOfRange
 from contact.formulation import claims
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
+from contact.model.units import counted
 from contact.search.context import SolveContext
 from contact.search.grid.nested_grids import MOST_POINTS, Proposal
 from contact.search.grid.proposals import about, placed, proposed
@@ -306,7 +307,7 @@ class _GridSearch:
             proposal = proposed(scaled, control, points)
             # The pressure at very many points takes much memory and is not needed any more.
             proposal = replace(proposal, grid=None)
-        part.detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
+        part.detail = f"{proposal.points} points, {counted(len(proposal.zones), 'zone')} proposed"
         return proposal
 
     def _beyond_border(self, points: int) -> int | None:
@@ -352,7 +353,7 @@ class _GridSearch:
             control,
             width,
             table,
-            strategy=f"gaps between {len(proposal.zones)} zones on {proposal.points} points",
+            strategy=f"gaps between {counted(len(proposal.zones), 'zone')} on {proposal.points} points",
             allow_loss=self.allow_loss,
         )
         if found_by_gaps is not None:

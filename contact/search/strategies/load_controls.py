@@ -17,7 +17,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.controls import Quantity
 from contact.model.profiles.noise import EPS
-from contact.model.units import quantity
+from contact.model.units import counted, quantity
 from contact.search.context import SolveContext
 from contact.search.grid.nested_grids import Proposal
 from contact.search.grid.proposals import of_width, placed
@@ -180,7 +180,7 @@ def _by_first_guess(
     part = context.plan["coarse search"]
     with context.plan.timed("coarse search"):
         proposal = of_width(scaled, control.value)
-    part.detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
+    part.detail = f"{proposal.points} points, {counted(len(proposal.zones), 'zone')} proposed"
     context.plan.decide("first guess", "a grid", "the load of a contact fraction is unknown")
     found = _from_grid(context, problem, control, proposal)
     if not isinstance(found, Failure):
