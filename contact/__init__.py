@@ -59,7 +59,7 @@ with uncollected():
 if TYPE_CHECKING:
     from contact.derivatives.response import Derivative, Response
     from contact.derivatives.result import Sensitivity, sensitivity
-    from contact.design.objective import Measured, Objective
+    from contact.design.objective import Measured, Objective, StressObjective
     from contact.design.optimize import optimize
     from contact.design.result import Design
     from contact.explorer.explore import explore
@@ -91,7 +91,7 @@ _HOMES = {
     "contact.sweeps.path_table": "Event",
     "contact.sweeps.paths": "Path",
     "contact.sweeps.sweep.run": "sweep",
-    "contact.design.objective": "Measured Objective",
+    "contact.design.objective": "Measured Objective StressObjective",
     "contact.design.optimize": "optimize",
     "contact.design.result": "Design",
     "contact.derivatives.response": "Derivative Response",
@@ -171,6 +171,7 @@ __all__ = [
     "Slip",
     "Solution",
     "Stress",
+    "StressObjective",
     "Substrate",
     "Wedge",
     "Yield",

@@ -87,8 +87,8 @@ class Functionals(sie.Kept):
         The derivative of the number is their sum over heights and slopes of a change of the
         profile.
 
-        index: that of the entry, for a number that is an array. The pressure may have the index of
-        one of the places of the largest pressure.
+        index: that of the entry, for a number that is an array. The largest pressure and the
+        largest stress may have the index of one of their places.
         """
         if self.refusal:
             raise SceneError(f"{self.refusal}: use `of(number, to=...)`", "number", number)
@@ -104,8 +104,9 @@ class Functionals(sie.Kept):
             ) / abs(of_control)
             functional = functional.plus(control[0], -of_number / of_control)
         variants, stressed = self.linearized.variants, number == "max_stress"
+        at = index[0] if stressed and index else 0
         found = tuple(
-            self._on(one, self._of_stress(one, functional) if stressed else functional)
+            self._on(one, self._of_stress(one, functional, at=at) if stressed else functional)
             for one in variants
         )
         if control is None or not self.linearized.stated:
@@ -126,11 +127,15 @@ class Functionals(sie.Kept):
             return Weighted(found, None, 0.0)
         return Weighted(found, found[0], error / abs(rise))
 
-    def _of_stress(self, fields: Any, functional: Functional, factor: float = 1.0) -> Functional:
-        """`functional` plus `factor` times the derivative of the largest stress."""
+    def _of_stress(
+        self, fields: Any, functional: Functional, factor: float = 1.0, at: int = 0
+    ) -> Functional:
+        """`functional` plus `factor` times the derivative of the largest stress.
+        `at` is the index of its place.
+        """
         stress = self.linearized.stress
         assert stress is not None
-        point = stress.on(fields)[0]
+        point = stress.on(fields)[at]
         value, rise = (factor * one for one in point.transform)
         if point.y > 0:
             return replace(functional, inside=(complex(point.x, point.y), value, rise))
@@ -193,7 +198,7 @@ class Functionals(sie.Kept):
         if number == "max_pressure":
             return float(numbers.max_pressure[index[0] if index else 0])
         if number == "max_stress":
-            return float(numbers.max_stress[0])
+            return float(numbers.max_stress[index[0] if index else 0])
         return float(np.asarray(numbers.largest(number))[index])
 
     def _at_load(self, number: str, index: tuple[int, ...]) -> Functional:

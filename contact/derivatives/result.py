@@ -257,18 +257,19 @@ class Sensitivity(sie.Kept):
         """Whether one solve of an adjoint equation gives the derivatives by an array of a body."""
         return to.table in self.solution.scene.profile.bodies and not self._functionals.refusal
 
-    def of_tops(self, to: str) -> Array:
-        """Derivatives (entries, k) of the pressure where it is largest, without error.
+    def of_tops(self, to: str, number: str = "max_pressure") -> Array:
+        """Derivatives (entries, k) of a number at each of its k places, without error.
 
         to: the name of data of the scene; a number counts as one entry.
+        number: "max_pressure" or "max_stress".
         """
-        value, count = self._rates.values[to], len(self.linearized.peaks)
+        value, count = self._rates.values[to], len(getattr(self.linearized.values, number))
         if np.ndim(value) == 0:
-            return self.by(to).change.values.max_pressure[None]
+            return np.asarray(getattr(self.by(to).change.values, number))[None]
         if self._by_adjoint(Parameter(to)) and count < len(value):
-            found = [self._functionals.weights("max_pressure", (k,)) for k in range(count)]
+            found = [self._functionals.weights(number, (k,)) for k in range(count)]
             return np.array([self._rates.sums(one.found[0], to)[0] for one in found]).T
-        some = [self.by(f"{to}[{k}]").change.values.max_pressure for k in range(len(value))]
+        some = [getattr(self.by(f"{to}[{k}]").change.values, number) for k in range(len(value))]
         return np.array(some).reshape(len(value), count)
 
     def _by_array(self, number: str, to: str) -> Derivative:

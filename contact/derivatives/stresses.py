@@ -66,10 +66,19 @@ class LargestStress(sie.Kept):
         The criterion of the equivalent stress.
     missed : float
         Relative error of the load at which the stress is that of first yield.
+    local : bool
+        Whether all local maxima that the search finds count, also those below the largest.
     """
 
-    def __init__(self, solution: Solution, criterion: Criterion, missed: float = 0.0) -> None:
+    def __init__(
+        self,
+        solution: Solution,
+        criterion: Criterion,
+        missed: float = 0.0,
+        local: bool = False,
+    ) -> None:
         self.solution, self.criterion, self.missed = solution, criterion, missed
+        self.local = local
         if infinite_at(solution) is not None:
             raise SceneError(
                 "the stress is infinite at a sharp corner or tip, or an adhesive end: it has no "
@@ -79,18 +88,26 @@ class LargestStress(sie.Kept):
 
     @cached_property
     def points(self) -> tuple[StressPoint, ...]:
-        """The points at which the equivalent stress is largest; several if they are equal."""
+        """The points at which the equivalent stress is largest, the largest stress first.
+
+        They are several if their stresses are equal, or if local maxima count.
+        """
         solution = self.solution
         found = sorted(peaks(solution, self.criterion), key=lambda one: -one.stress)
         # The search finds a point to within a step of 1e-4. Since the stress is stationary at the
         # point, the relative error of the stress is below the square of this step.
-        close = [one for one in found if one.stress >= found[0].stress * (1 - 1e-6)]
+        least = -np.inf if self.local else found[0].stress * (1 - 1e-6)
         points: list[StressPoint] = []
-        for one in close:
+        for one in found:
+            if one.stress < least:
+                break
             new = self._settled(solution.fields, one.x, one.y)
             if not any(self._same(new, other) for other in points):
                 points.append(new)
-        best = max(one.stress for one in points)
+        points.sort(key=lambda one: -one.stress)
+        if self.local:
+            return tuple(points)
+        best = points[0].stress
         slack = TOLERANCES.margin * max(TOLERANCES.rounding, solution.error)
         return tuple(one for one in points if one.stress >= best * (1 - slack))
 

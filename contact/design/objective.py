@@ -9,9 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.derivatives.response import NUMBERS
+from contact.derivatives.response import NUMBERS, STRESSES
 from contact.errors import SceneError
-from contact.model.checks import one_of
+from contact.inside.largest import Criterion
+from contact.inside.stress import LATERAL
+from contact.inside.yielding import CRITERIA
+from contact.model.checks import one_of, poisson_ratio, positive
 from sie import Array
 
 # The number that is the largest of several: the local maxima of the pressure.
@@ -106,15 +109,78 @@ class Measured:
             object.__setattr__(self, name, value)
 
 
-def objective_of(given: Any) -> Objective | Measured:
+@dataclass(frozen=True)
+class StressObjective:
+    """An objective of the stresses in body 1: their largest, or the load of first yield.
+
+    Parameters
+    ----------
+    number : str
+        "max_stress", the largest equivalent stress (its mean over the values of the control), or
+        "first_yield", the load of first yield, which depends on no control. With a minus sign it is
+        made large.
+    nu : float
+        Poisson's ratio of body 1.
+    strength : float or None
+        Yield strength [Pa], for "first_yield" only.
+    criterion, lateral : str
+        The equivalent stress, as for `first_yield`.
+
+    Raises
+    ------
+    SceneError
+        If the number or the criterion is not known, or another number is out of its range.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.StressObjective("-first_yield", nu=0.3, strength=1e9).of
+    'first_yield'
+    """
+
+    number: str
+    nu: float
+    strength: float | None = None
+    criterion: str = CRITERIA[0]
+    lateral: str = LATERAL[0]
+
+    def __post_init__(self) -> None:
+        one_of("objective.number", self.number, STRESSES + tuple(f"-{one}" for one in STRESSES))
+        one_of("criterion", self.criterion, CRITERIA)
+        one_of("lateral", self.lateral, LATERAL)
+        poisson_ratio("nu", self.nu)
+        if self.of == "first_yield":
+            positive("strength", self.strength)
+        elif self.strength is not None:
+            raise SceneError.of("strength", self.strength, "left out for the largest stress")
+
+    @property
+    def of(self) -> str:
+        """The number without its sign."""
+        return self.number.removeprefix("-")
+
+    @property
+    def sign(self) -> float:
+        """-1 if the number is made large, else 1."""
+        return -1.0 if self.number.startswith("-") else 1.0
+
+    @property
+    def rule(self) -> Criterion:
+        """The criterion of the equivalent stress."""
+        return Criterion(self.criterion, self.nu, self.lateral)
+
+
+def objective_of(given: Any) -> Objective | Measured | StressObjective:
     """The objective as an object.
     The user gives a name, a name with a minus sign (to maximize), or an object.
     """
-    if isinstance(given, (Objective, Measured)):
+    if isinstance(given, (Objective, Measured, StressObjective)):
         return given
     if not isinstance(given, str):
         raise SceneError.of("objective", given, "the name of a number, or a contact.Objective")
     sign, number = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
+    if number in STRESSES:
+        raise SceneError.of("objective", given, "a contact.StressObjective, which has the criterion")
     one_of("objective", number, NUMBERS)
     if number.startswith("zone"):
         raise SceneError.of("objective", given, "a number that is no array, or a contact.Objective")

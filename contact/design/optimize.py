@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contact.derivatives.response import NUMBERS, TABLES
-from contact.design.objective import Measured, Objective, objective_of
+from contact.design.objective import Measured, Objective, StressObjective, objective_of
 from contact.design.problem import Problem
 from contact.design.result import Condition, Design
 from contact.design.search import least_squares, minimum
@@ -21,7 +21,7 @@ from contact.solver import tolerance
 
 def optimize(
     scene: Scene,
-    objective: str | Objective | Measured,
+    objective: str | Objective | Measured | StressObjective,
     over: Any,
     subject_to: Sequence[tuple[str, float | None, float | None]] = (),
     *,
@@ -34,10 +34,10 @@ def optimize(
     ----------
     scene : Scene
         The first design.
-    objective : str, Objective or Measured
+    objective : str, Objective, Measured or StressObjective
         What is made as small as possible: the name of a number of the contact, with a minus sign to
-        make it large (its mean over the values of the control); any function of a number; or the
-        distance from measured values.
+        make it large (its mean over the values of the control); any function of a number; the
+        distance from measured values; or the largest stress or first yield.
     over : mapping
         Names of data, as in scene files, with their bounds (lowest, highest): numbers, or arrays
         for an array such as "profile.cosine".
@@ -58,7 +58,8 @@ def optimize(
     SceneError
         If something given is not what it must be, or a derivative is not known.
     NotConverged, OutOfRange
-        If a design on the way cannot be solved: narrow the bounds.
+        If a design on the way cannot be solved: narrow the bounds. If no design met satisfies
+        `subject_to`: the nearest one is `best` of the error.
 
     Examples
     --------

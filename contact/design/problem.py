@@ -7,16 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.derivatives.places import tops as highest_places
 from contact.derivatives.result import Sensitivity
-from contact.design.objective import PEAK, Measured, Objective
+from contact.design.objective import PEAK, Measured, Objective, StressObjective
+from contact.design.places import Places
 from contact.design.result import Condition, Step
 from contact.design.variables import Variables
 from contact.errors import NotConverged, SceneError, unwarned
+from contact.formulation.tolerances import TOLERANCES
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
 from contact.solver import solve
 from sie import Array
+
+AnyObjective = Objective | Measured | StressObjective
 
 
 class Contacts(NamedTuple):
@@ -24,7 +27,13 @@ class Contacts(NamedTuple):
 
     solutions: tuple[Solution, ...]
     by: tuple[Sensitivity, ...]
-    tops: tuple[Sensitivity, ...]
+    tops: tuple[Places, ...]  # local maxima of the pressure, if they are needed
+    stresses: tuple[Places, ...]  # those of the stress, if they are needed
+
+    @property
+    def yields(self) -> bool:
+        """Whether the stresses are those of first yield."""
+        return bool(self.stresses) and self.stresses[0].first is not None
 
 
 class Problem:
@@ -33,27 +42,36 @@ class Problem:
     def __init__(
         self,
         variables: Variables,
-        objective: Objective | Measured,
+        objective: AnyObjective,
         conditions: tuple[Condition, ...],
         at: tuple[float, ...],
         tol: float,
     ) -> None:
         self.variables, self.objective, self.conditions = variables, objective, conditions
         self.at, self.tol = at, tol
-        # Whether the least t is sought that no local maximum of the pressure exceeds.
-        self.levels = isinstance(objective, Objective) and objective.name == PEAK
+        self.of_pressure = isinstance(objective, Objective) and objective.name == PEAK
         self._bounds = [
             (one.number, bound, sign)
             for one in conditions
             for bound, sign in ((one.low, 1.0), (one.high, -1.0))
             if np.isfinite(bound)
         ]
-        self.needs_tops = self.levels or any(
+        self.needs_tops = self.of_pressure or any(
             number == PEAK and sign < 0 for number, _, sign in self._bounds
         )
         self.history: list[Step] = []
+        self._vectors: list[Array] = []
+        self._yields_at: float | None = None  # value of the control at the last first yield
         self._known: dict[bytes, Contacts] = {}
         self._gradients: dict[tuple[bytes, str], list[Array]] = {}
+
+    @property
+    def levels(self) -> bool:
+        """Whether the least t is sought that no value at competing places exceeds."""
+        wanted = self.objective
+        if isinstance(wanted, StressObjective):
+            return wanted.number in ("max_stress", "-first_yield")
+        return self.of_pressure
 
     def contact(self, vector: Array) -> Contacts:
         """The contacts of a design, one for each value of the control; each is solved once."""
@@ -64,18 +82,50 @@ class Problem:
             with unwarned():
                 found = tuple(self._solved(scene.under(name, value)) for value in self.at)
             by = tuple(Sensitivity(one, stated=False) for one in found)
-            tops: tuple[Sensitivity, ...] = ()
+            most, wanted = len(vector) + 1, self.objective
+            tops: tuple[Places, ...] = ()
+            stresses: tuple[Places, ...] = ()
             if self.needs_tops:
-                places = [highest_places(one, len(vector) + 1) for one in found]
-                tops = tuple(
-                    Sensitivity(one, stated=False, tops=at)
-                    for one, at in zip(found, places, strict=True)
-                )
-            self._known[key] = Contacts(found, by, tops)
+                tops = tuple(Places.of_pressure(one, most) for one in found)
+            if isinstance(wanted, StressObjective):
+                some = found
+                if wanted.strength is not None:
+                    # First yield does not depend on the control. Its search begins where that of
+                    # the last design ended.
+                    some = found[:1]
+                    if self._yields_at is not None:
+                        some = (self._solved(scene.under(name, self._yields_at)),)
+                stresses = tuple(Places.of_stress(one, wanted, most, self.tol) for one in some)
+                if wanted.strength is not None:
+                    self._yields_at = stresses[0].by.solution.scene.control[1]
+            self._known[key] = Contacts(found, by, tops, stresses)
+            self._vectors.append(np.array(vector, dtype=float))
             self.history.append(
                 Step(self.variables.values(vector), self.value(vector), self.numbers(vector))
             )
         return self._known[key]
+
+    def best(self, last: Array) -> Array:
+        """The vector of the best design met that satisfies the conditions to the tolerance.
+
+        It is `last` if no other one is better by more than the tolerance. If there is none, it is
+        that of the smallest violation.
+        """
+        self.contact(last)
+        values = np.array([step.objective for step in self.history])
+        violations = np.array([self.violation(one) for one in self._vectors])
+        allowed = violations <= TOLERANCES.margin * self.tol
+        if not allowed.any():
+            return self._vectors[int(np.argmin(violations))]
+        least = int(np.argmin(np.where(allowed, values, np.inf)))
+        worse = self.value(last) - values[least] > self.tol * abs(values[least])
+        if worse or self.violation(last) > TOLERANCES.margin * self.tol:
+            return self._vectors[least]
+        return last
+
+    def violation(self, vector: Array) -> float:
+        """Largest violation of a condition, divided by the size of its bound; 0 without one."""
+        return max(0.0, -float(self.rooms(vector).min(initial=0.0)))
 
     def _solved(self, scene: Scene) -> Solution:
         """Contact of a scene; if the tolerance is missed, one with half of the digits right."""
@@ -124,12 +174,17 @@ class Problem:
         """Value of the objective for a vector of data."""
         if isinstance(self.objective, Measured):
             return float(np.sum(self.residuals(vector) ** 2))
+        if isinstance(self.objective, StressObjective):
+            largest = [one.largest for one in self.contact(vector).stresses]
+            return self.objective.sign * float(np.mean(largest))
         return float(self.objective.of(self.table(vector, self.objective.number))[0])
 
     def gradient(self, vector: Array) -> Array:
         """Derivatives of the objective by the n entries of the vector of data (n,)."""
         if isinstance(self.objective, Measured):
             return 2 * self.residuals(vector) @ self.residual_slopes(vector)
+        if isinstance(self.objective, StressObjective):
+            return self.objective.sign * self._of_stress(vector)
         table = self.table(vector, self.objective.number)
         of = self.objective.of(table)[1]
         out = np.zeros(len(vector))
@@ -142,24 +197,52 @@ class Problem:
         """Numbers that have conditions, at all values of the control, as one array."""
         return np.array([v for one in self.conditions for v in self.table(vector, one.number)])
 
-    def tops(self, vector: Array) -> Array:
-        """Local maxima of the pressure (values of the control, k), the highest n + 1 of them.
+    def _of_stress(self, vector: Array) -> Array:
+        """Derivatives (n,) of the mean of the largest stress, or of the load of first yield."""
+        found = self.contact(vector)
+        values, slopes = self.competing(vector), self.competing_slopes(vector)
+        first = np.argmax(values, axis=1)
+        mean = slopes[np.arange(len(first)), first].mean(axis=0)
+        # The values at first yield are inverse loads.
+        return np.asarray(-mean * found.stresses[0].largest ** 2 if found.yields else mean)
 
-        More than n + 1 do not determine a design of n data. Missing ones are 0.
+    def competing(self, vector: Array) -> Array:
+        """Values (rows, k) at the places that compete for the objective.
+
+        They are the largest n + 1 of each row: more do not determine a design of n data. Missing
+        ones are 0.
         """
-        out = np.zeros((len(self.at), len(vector) + 1))
-        for row, one in zip(out, self.contact(vector).tops, strict=True):
-            row[: len(one.linearized.peaks)] = one.linearized.values.max_pressure
-        return out
+        found = self.contact(vector)
+        return self._values(vector, found.tops if self.of_pressure else found.stresses)
+
+    def competing_slopes(self, vector: Array) -> Array:
+        """Derivatives of `competing` by the vector (rows, k, n)."""
+        found = self.contact(vector)
+        if self.of_pressure:
+            return self._slopes(vector, "tops", found.tops)
+        return self._slopes(vector, "stresses", found.stresses)
+
+    def tops(self, vector: Array) -> Array:
+        """Local maxima of the pressure (values of the control, k), the highest n + 1 of them."""
+        return self._values(vector, self.contact(vector).tops)
 
     def top_slopes(self, vector: Array) -> Array:
         """Derivatives of `tops` by the vector (values of the control, k, n)."""
-        key = np.asarray(vector, dtype=float).tobytes(), "tops"
+        return self._slopes(vector, "tops", self.contact(vector).tops)
+
+    def _values(self, vector: Array, rows: tuple[Places, ...]) -> Array:
+        out = np.zeros((len(rows), len(vector) + 1))
+        for row, one in zip(out, rows, strict=True):
+            row[: len(one.values)] = one.values
+        return out
+
+    def _slopes(self, vector: Array, name: str, rows: tuple[Places, ...]) -> Array:
+        key = np.asarray(vector, dtype=float).tobytes(), name
         if key not in self._gradients:
             table = []
-            for one in self.contact(vector).tops:
+            for one in rows:
                 slopes = np.zeros((len(vector) + 1, len(vector)))
-                slopes[: len(one.linearized.peaks)] = self.variables.top_slopes(one).T
+                slopes[: len(one.values)] = one.slopes(self.variables)
                 table.append(slopes)
             self._gradients[key] = table
         return np.array(self._gradients[key])

@@ -2,7 +2,8 @@
 
 The largest pressure is that of several local maxima p_k, and designs that make it small have
 several of them equal: it has no derivative there, but each p_k has. So the search is for the least
-t that no p_k exceeds, and a largest pressure that is allowed bounds each p_k.
+t that no p_k exceeds, and a largest pressure that is allowed bounds each p_k. The largest stress in
+the body, and the inverse of the load of first yield, are made small likewise.
 
 The search is that of scipy.optimize: SLSQP (D. Kraft, DFVLR-FB 88-28, 1988) under conditions,
 L-BFGS-B (R. H. Byrd, P. Lu, J. Nocedal and C. Zhu, SIAM J. Sci. Comput. 16, 1995, 1190) without,
@@ -20,6 +21,7 @@ import numpy as np
 
 from contact.design.problem import Problem
 from contact.design.result import Design
+from contact.errors import NotConverged
 from contact.extras import require
 from contact.formulation.tolerances import TOLERANCES
 from sie import Array
@@ -27,12 +29,12 @@ from sie import Array
 
 def minimum(problem: Problem) -> Design:
     """The design with the smallest objective, by SLSQP under conditions, else by L-BFGS-B."""
+    if problem.levels:
+        return _lowest_levels(problem)
     start = problem.variables.start
     first = problem.gradient(start)
     # The search counts in units of the first gradient: then steps and tolerances are of order 1.
     unit = float(np.abs(first).max()) or 1.0
-    if problem.levels:
-        return _lowest_levels(problem, unit)
     arguments: dict[str, Any] = {
         "method": "L-BFGS-B",
         "options": {"ftol": TOLERANCES.rounding, "gtol": problem.tol},
@@ -51,51 +53,53 @@ def minimum(problem: Problem) -> Design:
         bounds=[(0.0, 1.0)] * len(start),
         **arguments,
     )
-    best = _within(found.x)
+    best = problem.best(_within(found.x))
     left = _unbalanced(problem, best)
     return _design(problem, best, left / float(np.linalg.norm(first) or 1.0), str(found.message))
 
 
-def _lowest_levels(problem: Problem, unit: float) -> Design:
-    """The least mean of levels t, one for each value of the control, that no maximum exceeds.
+def _lowest_levels(problem: Problem) -> Design:
+    """The least mean of levels t, one for each contact, that no value at competing places exceeds.
 
-    The vector of the search is that of the data, and t over `unit`.
+    The vector of the search is that of the data, and t over the size of the first derivatives.
     """
-    start, many = problem.variables.start, len(problem.at)
-    n, mean = len(start), np.concatenate((np.zeros(len(start)), np.full(many, 1 / many)))
+    start = problem.variables.start
+    values, slopes = problem.competing(start), problem.competing_slopes(start)
+    n, many = len(start), len(values)
+    unit = float(np.abs(slopes[np.arange(many), np.argmax(values, axis=1)]).max()) or 1.0
+    mean = np.concatenate((np.zeros(n), np.full(many, 1 / many)))
 
     def rooms(both: Array) -> Array:
         vector = _within(both[:n])
-        below = both[n:, None] - problem.tops(vector) / unit
+        below = both[n:, None] - problem.competing(vector) / unit
         return np.concatenate((below.ravel(), problem.rooms(vector)))
 
-    def slopes(both: Array) -> Array:
+    def slopes_of(both: Array) -> Array:
         return _level_slopes(problem, _within(both[:n]), unit)
 
-    levels = problem.tops(start).max(axis=1) / unit
     found = require("scipy.optimize").minimize(
         lambda both: float(mean @ both),
-        np.concatenate((start, levels)),
+        np.concatenate((start, values.max(axis=1) / unit)),
         jac=lambda both: mean,
         bounds=[(0.0, 1.0)] * n + [(0.0, None)] * many,
         method="SLSQP",
-        constraints=[{"type": "ineq", "fun": rooms, "jac": slopes}],
+        constraints=[{"type": "ineq", "fun": rooms, "jac": slopes_of}],
         options={"ftol": problem.tol, "maxiter": max(100, 10 * n)},  # as many peaks become equal
     )
-    best = _within(found.x[:n])
-    tops = problem.tops(best)
-    below = 1 - tops / tops.max(axis=1)[:, None]
+    best = problem.best(_within(found.x[:n]))
+    values = problem.competing(best)
+    below = 1 - values / values.max(axis=1)[:, None]
     active = np.concatenate((below.ravel(), problem.rooms(best))) <= problem.tol**0.5
     rows = list(_level_slopes(problem, best, unit)[active]) + _at_bounds(problem, best, n + many)
     return _design(problem, best, _left(mean, rows) * np.sqrt(many), str(found.message))
 
 
 def _level_slopes(problem: Problem, vector: Array, unit: float) -> Array:
-    """Derivatives of levels minus local maxima, and of the conditions' rooms."""
-    many, n = len(problem.at), len(vector)
-    tops = problem.top_slopes(vector)
-    rows = np.zeros((*tops.shape[:2], n + many))
-    rows[:, :, :n] = -tops / unit
+    """Derivatives of levels minus values at competing places, and of the conditions' rooms."""
+    slopes = problem.competing_slopes(vector)
+    many, n = len(slopes), len(vector)
+    rows = np.zeros((*slopes.shape[:2], n + many))
+    rows[:, :, :n] = -slopes / unit
     for level in range(many):
         rows[level, :, n + level] = 1.0
     rest = problem.room_slopes(vector)
@@ -156,7 +160,7 @@ def _left(gradient: Array, rows: list[Array]) -> float:
 
 def _design(problem: Problem, vector: Array, optimality: float, message: str) -> Design:
     found = problem.contact(vector)
-    return Design(
+    design = Design(
         found.solutions[0].scene,
         problem.variables.values(vector),
         found.solutions,
@@ -165,3 +169,12 @@ def _design(problem: Problem, vector: Array, optimality: float, message: str) ->
         tuple(problem.history),
         message=message,
     )
+    violation = problem.violation(vector)
+    if violation > TOLERANCES.margin * problem.tol:
+        raise NotConverged(
+            f"no design met satisfies the conditions: the nearest one misses a bound by "
+            f"{violation:.2g} of its size ({message})",
+            problem.history,
+            design,
+        )
+    return design

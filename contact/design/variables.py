@@ -110,9 +110,11 @@ class Variables:
         table = np.concatenate(parts)
         return np.asarray(table * (self.high - self.low).reshape((-1,) + (1,) * (table.ndim - 1)))
 
-    def top_slopes(self, by: Sensitivity) -> Array:
-        """Derivatives of the pressure at its local maxima by the vector (entries, maxima)."""
-        table = np.concatenate([by.of_tops(name) for name in self.own])
+    def top_slopes(self, by: Sensitivity, number: str) -> Array:
+        """Derivatives (entries, places) by the vector of a number at each of its places.
+        The number is "max_pressure" or "max_stress".
+        """
+        table = np.concatenate([by.of_tops(name, number) for name in self.own])
         return np.asarray(table * (self.high - self.low)[:, None])
 
 

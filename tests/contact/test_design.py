@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,9 @@ import pytest
 import contact
 from contact.derivatives.places import tops
 from contact.derivatives.result import Sensitivity
+from contact.design import search
+from contact.design.problem import Problem
+from contact.design.variables import Variables
 from contact.model.scene import Scene
 
 
@@ -149,3 +153,91 @@ def test_what_cannot_be_designed_is_refused_by_name() -> None:
     }.items():
         with pytest.raises(contact.SceneError, match=words):
             contact.optimize(scene, *arguments)
+
+
+def visiting(*vectors: float) -> Any:
+    """A search like scipy's `minimize` that evaluates given designs and ends at the last one."""
+
+    def minimize(value: Any, start: Any, **_: Any) -> Any:
+        for vector in vectors:
+            value(np.full(len(start), vector))
+        return SimpleNamespace(x=np.full(len(start), vectors[-1]), message="stopped")
+
+    return SimpleNamespace(minimize=minimize)
+
+
+@pytest.mark.parametrize("number", ["contact_fraction", "-max_pressure"])
+def test_the_best_design_that_satisfies_the_conditions_is_returned_and_not_the_last(
+    number: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A wave's contact shrinks and its pressure grows with its amplitude, up to the bound."""
+    scene = periodic(contact.Sinusoid(1e-6, 1e-4), mean_pressure=2e7)
+    over, allowed = {"profile.amplitude": (8e-7, 5e-6)}, [("max_pressure", None, 6e7)]
+    for last in (0.9, 0.05):
+        monkeypatch.setattr(search, "require", lambda _: visiting(0.1, 0.12, 0.5, last))  # noqa: B023
+        best = contact.optimize(scene, number, over, allowed)
+        assert np.isclose(best.data["profile.amplitude"], 8e-7 + 0.12 * 4.2e-6)
+        assert best.objective == min(
+            step.objective for step in best.history if step.conditions[0] <= 6e7
+        )
+
+
+def test_a_search_that_meets_no_allowed_design_says_so() -> None:
+    scene = periodic(contact.Sinusoid(1e-6, 1e-4), mean_pressure=2e7)
+    over = {"profile.amplitude": (8e-7, 5e-6)}
+    with pytest.raises(contact.NotConverged, match="no design met") as error:
+        contact.optimize(scene, "contact_fraction", over, [("max_pressure", None, 2e7)])
+    nearest = error.value.best
+    assert np.isclose(nearest.data["profile.amplitude"], 8e-7)
+    assert nearest.objective in [step.objective for step in error.value.trace]
+
+
+UNEVEN = contact.Fourier(1e-4, [-1e-6, 3e-7, 0.0], [0.0, 1e-8, 0.0])
+WIDE = {"profile.cosine": ([-1.01e-6, -3e-7, -3e-7], [-9.9e-7, 4e-7, 3e-7])}
+STRESSED = {
+    "mises": contact.StressObjective("max_stress", 0.3),
+    "tresca": contact.StressObjective("max_stress", 0.3, criterion="tresca"),
+    "yield": contact.StressObjective("-first_yield", 0.3, 1e7),
+}
+
+
+@pytest.mark.parametrize("name", STRESSED)
+def test_stresses_at_competing_places_have_the_derivatives_of_differences(name: str) -> None:
+    """Those of a place that yields later are exact to first order in its distance from yield."""
+    scene = periodic(UNEVEN, mean_pressure=4e6)
+    problem = Problem(Variables.of(scene, WIDE), STRESSED[name], (), (4e6,), 1e-11)
+    vector, step = problem.variables.start, 1e-5
+    values = problem.competing(vector)[0]
+    assert np.count_nonzero(values) == 2
+    slopes = problem.competing_slopes(vector)[0]
+    for k, unit in enumerate(np.eye(3)):
+        low, high = (problem.competing(vector + s * step * unit)[0] for s in (-1, 1))
+        found = (high - low) / (2 * step)
+        close = 1e-6 * np.abs(slopes).max()
+        assert abs(found[0] - slopes[0, k]) < close
+        if name != "yield":
+            assert abs(found[1] - slopes[1, k]) < close
+        one, two = (problem.value(vector + s * step * unit) for s in (-1, 1))
+        of = problem.gradient(vector)
+        assert abs((two - one) / (2 * step) - of[k]) < 1e-6 * np.abs(of).max()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["mises", "yield"])
+def test_the_design_of_least_stress_is_better_than_its_neighbours(name: str) -> None:
+    """Two places have the largest stress there; first yield is designed with two waves only."""
+    scene, wanted, count = periodic(UNEVEN, mean_pressure=4e6), STRESSED[name], 3
+    if name == "yield":
+        scene, count = replace(scene, profile=contact.Fourier(1e-4, UNEVEN.cosine[:2])), 2
+    over = {key: tuple(bound[:count] for bound in bounds) for key, bounds in WIDE.items()}
+    best = contact.optimize(scene, wanted, over)
+    assert best.optimality < 1e-4
+    assert best.objective < best.history[0].objective
+    problem = Problem(Variables.of(best.scene, over), wanted, (), (4e6,), 1e-9)
+    values = problem.competing(problem.variables.start)[0]
+    assert name == "yield" or np.isclose(*np.sort(values)[-2:], rtol=1e-6)
+    rng = np.random.default_rng(0)
+    for scale in (1e-3, 1e-1):
+        for away in scale * rng.uniform(-1, 1, (3, count)):
+            other = np.clip(problem.variables.start + away, 0, 1)
+            assert problem.value(other) >= best.objective - 1e-7 * abs(best.objective)
