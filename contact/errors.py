@@ -93,6 +93,10 @@ class SceneError(ContactError, ValueError):
         return type(self), (str(self), self.field, self.value, self.allowed)
 
 
+class UnknownArgument(SceneError, TypeError):
+    """Error for an argument that a class does not have; a TypeError as Python's own."""
+
+
 class NotConverged(ContactError):
     """Error if the tolerance was not met; `trace` holds the steps, `best` the best solution.
 

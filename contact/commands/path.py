@@ -22,7 +22,7 @@ from contact.commands.trace import show_profile
 from contact.errors import SceneError
 from contact.model.scene import Scene
 from contact.solution.terminal import Progress, show_columns
-from contact.sweeps.path import path
+from contact.sweeps.path import path, refuse_unloading
 from contact.sweeps.path_report import energy_line, event_columns, value_columns
 from contact.sweeps.paths import Path as LoadPath
 from contact.sweeps.solve_many import solve_many
@@ -97,6 +97,11 @@ def path_command(
     control, values = _values(
         problem, {"loads": loads, "pressures": pressures, "approaches": approaches}, back
     )
+    given = {"load": loads, "mean_pressure": pressures, "approach": approaches}[control]
+    name = f"--{_OPTIONS[control]}"
+    refuse_unloading(
+        problem, values, ("--back", True, "left out") if back else (name, given, "rising")
+    )
     if no_events and problem.law.pressure_range.has_tension:
         raise SceneError.of(
             "--no-events",
@@ -136,8 +141,7 @@ def path_command(
             raise
         if error.field == "stiffness":
             raise SceneError.of("--stiffness", stiffness, error.allowed) from error
-        given = {"load": loads, "mean_pressure": pressures, "approach": approaches}[control]
-        raise SceneError.of(f"--{_OPTIONS[control]}", given, error.allowed) from error
+        raise SceneError.of(name, given, error.allowed) from error
     outputs.finish(found, as_json, quiet, lambda: _show(found))
 
 

@@ -1,15 +1,17 @@
 """Checks of single values: each returns the value in its plain type or raises SceneError."""
 
+import inspect
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from math import isfinite, nan
 from numbers import Integral, Real
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import SceneError
+from contact.errors import SceneError, UnknownArgument
 from sie import Array
 
 
@@ -62,18 +64,41 @@ def metres(field: str, value: Any) -> Any:
         raise SceneError.of(field, value, f"a length ({error})") from error
 
 
+class NamesArguments:
+    """Base of classes that refuse an unknown argument and name the most similar argument."""
+
+    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
+        known = _arguments(cls.__init__)
+        for name in kwargs:
+            if known is not None and name not in known:
+                raise UnknownArgument.unknown(f"argument of {cls.__name__}", name, known)
+        if args and known == ():
+            raise TypeError(f"{cls.__name__}() takes no arguments")
+        return super().__new__(cls)
+
+
+@cache
+def _arguments(init: Callable[..., None]) -> tuple[str, ...] | None:
+    """Names of the arguments of a class with the method `init`; None if it takes any argument."""
+    if init is object.__init__:
+        return ()
+    _, *accepted = inspect.signature(init).parameters.values()
+    if any(p.kind in (p.VAR_KEYWORD, p.VAR_POSITIONAL) for p in accepted):
+        return None
+    return tuple(p.name for p in accepted)
+
+
 @contextmanager
 def of_author(what: str, field: str, given: str = "", hint: str = "") -> Iterator[None]:
     """In the `with` block, turn any exception of a user's code into a SceneError."""
     try:
         with np.errstate(all="ignore"):
             yield
-    except SceneError:
-        raise
     except Exception as error:
-        raise SceneError(
-            f"{what} raises {type(error).__name__}{given}: {error}{hint}", field
-        ) from error
+        if isinstance(error, SceneError) and not isinstance(error, UnknownArgument):
+            raise
+        kind = TypeError if isinstance(error, UnknownArgument) else type(error)
+        raise SceneError(f"{what} raises {kind.__name__}{given}: {error}{hint}", field) from error
 
 
 def both_or_neither(E2: float | None, nu2: float | None) -> None:

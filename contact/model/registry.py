@@ -14,12 +14,12 @@ from typing import Any, ClassVar, TypeVar
 
 from contact.errors import SceneError
 from contact.extras import entry_points
-from contact.model.checks import of_author
+from contact.model.checks import NamesArguments, of_author
 
 C = TypeVar("C", bound=type)
 
 
-class Named:
+class Named(NamesArguments):
     """Base class of the parts of a scene (profile, law, ...), which gives each class a `name`.
 
     The name is the registered one, else the class's own attribute `name`, else the name of the

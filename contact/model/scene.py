@@ -19,6 +19,7 @@ import numpy as np
 import sie
 from contact.errors import SceneError
 from contact.model.checks import (
+    NamesArguments,
     both_or_neither,
     finite,
     finite_or_none,
@@ -94,7 +95,7 @@ def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio:
 
 
 @dataclass(frozen=True)
-class Scene(sie.Kept):
+class Scene(NamesArguments, sie.Kept):
     """A complete contact problem. Exactly one control is given; the other controls are None.
 
     All is checked when the scene is made. Units are SI, loads per unit thickness.

@@ -1,5 +1,7 @@
 """`contact.path`: one scene along a list of values of its control, with all events between them."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -10,6 +12,18 @@ from contact.search.topology.loop import Progress
 from contact.solver import tolerance
 from contact.sweeps.adhesive import VALUES, adhesive_path
 from contact.sweeps.paths import Path, growing_path
+from sie import Array
+
+
+def refuse_unloading(scene: Scene, loads: Array, blamed: tuple[str, Any, str]) -> None:
+    """Raise SceneError if loads fall under a law whose unloading is another scene.
+
+    blamed: name and value of the wrong parameter, and what the parameter must be.
+    """
+    if scene.law.routes.first is not None and np.any(np.diff(loads) < 0):
+        name, value, allowed = blamed
+        why = f"under {scene.law.name}: unloading begins from the profile Solution.worn()"
+        raise SceneError.of(name, value, f"{allowed} {why}")
 
 
 def path(
@@ -108,12 +122,7 @@ def path(
         raise SceneError.of(
             "values", loads, f"positive {VALUES[name]} (element {first} is {loads[first]:.6g})"
         )
-    if scene.law.routes.first is not None and np.any(np.diff(loads) < 0):
-        raise SceneError.of(
-            "values",
-            loads,
-            f"rising under {scene.law.name}: unloading begins from the profile Solution.worn()",
-        )
+    refuse_unloading(scene, loads, ("values", loads, "rising"))
     if name == "mean_pressure":
         if scene.profile.period is None:
             raise SceneError.of(

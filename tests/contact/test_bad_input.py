@@ -4,6 +4,7 @@ allowed; never numpy's own.
 
 from __future__ import annotations
 
+import inspect
 import warnings
 
 import numpy as np
@@ -16,6 +17,14 @@ PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated()
 NAN, INF = float("nan"), float("inf")
 NOT_A_NUMBER = [NAN, INF, -INF, True, "1", None, 1j, [1.0], np.array([1.0, 2.0]), object(), 10**400]
 NOT_POSITIVE = [0, 0.0, -1.0, *[v for v in NOT_A_NUMBER if v is not None]]
+PARTS = [
+    contact.Scene,
+    *(
+        one
+        for kind in ("profiles", "interactions", "substrates", "laws", "controls")
+        for one in getattr(contact, kind)().values()
+    ),
+]
 CONTROLS = ["load", "mean_pressure", "approach", "half_width", "contact_fraction"]
 
 
@@ -154,6 +163,16 @@ class TestNames:
 
     def test_an_unknown_closure_is_refused_with_those_there_are(self):
         refused(lambda: contact.Localized("second-order"), "first-order", "self-consistent")
+
+
+    @pytest.mark.parametrize("cls", PARTS, ids=lambda cls: cls.__name__)
+    def test_an_argument_that_does_not_exist_is_refused_with_the_nearest(self, cls):
+        for name, argument in inspect.signature(cls).parameters.items():
+            if argument.kind is not argument.POSITIONAL_ONLY:
+                said = refused(lambda name=name: cls(**{name + "s": 1.0}), f"'{name}s' is not known")
+                assert f"did you mean '{name}'?" in said
+        with pytest.raises(TypeError):  # as Python's own
+            cls(nonsense=1.0)
 
 
 class TestScenes:

@@ -207,6 +207,15 @@ def test_a_load_below_none_and_a_file_that_is_there_are_refused_before_anything_
     assert "--plot" in run(WAVE_TEXT, "--loads", "1:2:3", "--plot", tmp_path / "out.what").stderr
 
 
+@pytest.mark.parametrize("more", [(), ("--no-events",)])
+@pytest.mark.parametrize(("loads", "back"), [("1e-3:2e-3:3", "--back"), ("2e-3,1e-3", "-q")])
+def test_no_load_falls_under_a_limit_of_the_pressure(loads, back, more):
+    text = WAVE_TEXT + 'law = {model = "plastic", hardness = 2.0}\n'
+    said = run(text, "--loads", loads, back, *more)
+    assert said.exit_code == 2 and "Solution.worn()" in said.stderr
+    assert said.stderr.startswith(f"contact: {'--back' if back == '--back' else '--loads'} = ")
+
+
 def test_quietly_it_writes_its_files_and_prints_nothing(tmp_path):
     pytest.importorskip("matplotlib")
     done = run(
