@@ -24,6 +24,7 @@ FILES = {
     "Scene files": (ROOT / "examples", "*.toml"),
 }
 PLACE = "<!-- gallery -->"
+EXAMPLE = re.compile(r"\]\((?:\.\./)+examples/(?:engine/)?([\w-]+)\.(?:py|toml)\)")
 
 
 def scripts() -> dict[str, list[Path]]:
@@ -119,6 +120,11 @@ def on_files(files: Any, config: Any, **_: Any) -> Any:
     return files
 
 
-def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Called by ProperDocs with the text of every page."""
-    return markdown.replace(PLACE, index()) if PLACE in markdown else markdown
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """Called by ProperDocs with the text of every page.
+
+    Pages link files of `examples`, for readers of the files themselves. On the site, such a link
+    leads to the page of the example.
+    """
+    up = "../" * page.file.src_uri.count("/")
+    return EXAMPLE.sub(rf"]({up}gallery/\1.md)", markdown).replace(PLACE, index())

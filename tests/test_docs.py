@@ -26,6 +26,7 @@ from tests.browser import CHROMIUM, MISSING, browser
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
+EXAMPLES = {file for end in ("*.py", "*.toml") for file in (ROOT / "examples").rglob(end)}
 SETUP = yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
 IS_AWAY = re.compile(r"(?:https?:)?//")
 
@@ -89,8 +90,18 @@ def test_links_of_a_page_lead_to_what_is_there(page: Path) -> None:
             continue
         path, _, anchor = target.partition("#")
         file = (page.parent / path).resolve() if path else page
-        assert file.is_file() and file.is_relative_to(DOCS), target
+        assert file.is_file() and file.is_relative_to(DOCS) or file in EXAMPLES, target
         assert not anchor or anchor in anchors(file), target
+
+
+def test_a_file_that_the_site_shows_in_a_page_is_linked_before_it() -> None:
+    # Where the text of a page itself is read, the reader follows the link.
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for block in re.finditer(r'^--8<-- "(.*)"$', text, re.MULTILINE):
+            section = re.split(r"^#", text[: block.start()], flags=re.MULTILINE)[-1]
+            linked = {(page.parent / one).resolve() for one in re.findall(r"\]\((\S+?)\)", section)}
+            assert ROOT / block[1] in linked, (page.name, block[1])
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())
