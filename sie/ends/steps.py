@@ -282,7 +282,10 @@ def damped(
     gaps = np.array(modes.gaps(zones, equation.kernel))
     room = options.max_shrink * np.minimum(gaps, border_distances(zones, equation))
     outward = np.minimum(options.max_growth * width, room)
-    plain = np.clip(delta, -options.max_shrink * width, outward)
+    inward = options.max_shrink * width
+    if zones.have_values:
+        inward = np.minimum(inward, options.max_growth * gaps)
+    plain = np.clip(delta, -inward, outward)
     shift, widens = 0.5 * (delta[1] - delta[0]), 0.5 * delta.sum(axis=0)
     far = zones.rims & (np.abs(shift) > options.max_growth * width)
     free = far if narrow is None else far | narrow
