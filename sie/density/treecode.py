@@ -14,9 +14,9 @@ from numpy.polynomial.chebyshev import chebint
 from sie.basis.data import Array, Index, numbered
 from sie.basis.interval import What
 from sie.basis.sums import OPTIONS, stretches
-from sie.basis.zones import Zones
 from sie.density.plane import Plane
 from sie.density.series import Series, from_zones
+from sie.trees.cells import cells_around
 from sie.trees.far import FarSum, Nested
 from sie.trees.piecewise import clenshaw
 from sie.trees.tree import TERMS, Tree
@@ -39,7 +39,9 @@ class Treecode:
         # the distance from the first to the last end. At points farther away, the moments of all
         # zones together suffice.
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
-        self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
+        self.ends = ends = cells_around(
+            zones.a, zones.b, min(middle - reach, first), max(middle + reach, last)
+        )
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
         sources = Nested(Tree.over(zones.a, zones.b, zones.rest), kept=False)
         far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
@@ -109,21 +111,3 @@ class Treecode:
     def _near(self, x: Array, source: Index, shift: Array, potential: bool) -> Array:
         """At each point x, the closed-form field of the zone `source` after a shift by `shift`."""
         return from_zones(self.density, x, source, shift, potential)
-
-
-def _cells(zones: Zones, lo: float, hi: float) -> Array:
-    """Ends of the cells, which are the zones and parts of the gaps between zones.
-
-    The parts double in length away from a zone. This way few zones are near any cell.
-    """
-    before = np.diff(
-        np.concatenate(([2 * lo - zones.a[0]], zones.b[:-1], zones.a)).reshape(2, -1), axis=0
-    )[0]
-    after = np.append(before[1:], 2 * (hi - zones.b[-1]))
-    ends, step = [np.array([lo, hi]), zones.a, zones.b], zones.b - zones.a
-    while True:
-        left, right = step < 0.5 * before, step < 0.5 * after
-        if not (left.any() or right.any()):
-            return np.sort(np.concatenate(ends))
-        ends += [zones.a[left] - step[left], zones.b[right] + step[right]]
-        step = 2 * step

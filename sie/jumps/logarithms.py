@@ -12,17 +12,20 @@ transform of the plateau.
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 
-from sie.basis.data import Array, Index, nearest_image, record, wrapped
+from sie.basis.data import Array, Index, Kept, nearest_image, record, wrapped
 from sie.basis.interval import Complex, What, complex_of
 from sie.basis.kernels import Kernel, is_hilbert
 from sie.basis.potential_primitive import potential_primitive
 from sie.basis.sums import OPTIONS as BLOCKS
 from sie.basis.zones import End, Zones
 from sie.jumps.exterior import ExteriorLogarithms
+from sie.jumps.plateau_sums import PlateauSums
+from sie.trees.cells import cells_around
 
 
 @record
@@ -114,7 +117,7 @@ def _in_gap(
 
 
 @record
-class Logarithms:
+class Logarithms(Kept):
     """Terms of the right side for jumps J of the density: J/pi times the kernel's potential.
 
     J are the jumps of the density. at: positions s; weight: J/pi; own: the zone that contains s, or
@@ -142,11 +145,15 @@ class Logarithms:
 
     def at_points(self, x: Array) -> Array:
         """Sum of the logarithmic terms of the right side at points x (n,)."""
-        return self._summed(x, self._of_lag)
+        if not self._are_many(len(x)):
+            return self._summed(x, self._of_lag)
+        return -self._of_plateaus(x, False)
 
     def primitive_at(self, x: Array) -> Array:
         """Antiderivative, at points x (n,), of the sum of the right side's logarithmic terms."""
-        return self._summed(x, lambda away: potential_primitive(self.kernel, away))
+        if not self._are_many(len(x)):
+            return self._summed(x, lambda away: potential_primitive(self.kernel, away))
+        return -self._of_plateaus(x, True)
 
     def in_plane(self, z: Complex, what: What) -> Complex:
         """Sum of the logarithmic terms, its derivative or its antiderivative, at complex z (n,).
@@ -212,10 +219,98 @@ class Logarithms:
         (J/pi) ln(2 |t - s|) for a position s in the zone, and (J/pi) ln(2 |rho| |t - s|) for one
         close to it.
         """
+        if self._are_many(len(zone)):
+            return -self._sums_on_zones(zone, self.zones.half[zone] * left, self._near_zones)
         out = np.empty(len(zone))
         for some in self._blocks(len(zone)):
             out[some] = self._on_zones(zone[some], left[some])
         return out
+
+    def _are_many(self, points: int) -> bool:
+        """Whether the terms of plateaus at this number of points are summed over a tree."""
+        kernel = self.kernel
+        return (
+            self.plateaus is not None
+            and (kernel.regular is None or kernel.sure)
+            and points * len(self.at) > BLOCKS.memory_pairs
+        )
+
+    @cached_property
+    def _sums_on_zones(self) -> PlateauSums:
+        """Fast sums over the plateaus at points on zones; the cells are the zones."""
+        return self._sums_on(self.zones.a, self.zones.b)
+
+    @cached_property
+    def _sums_on_line(self) -> PlateauSums:
+        """Fast sums over the plateaus at points of one period, from the first zone or plateau on.
+        Without a period, they apply from the first to the last end of zones and plateaus.
+        """
+        assert self.plateaus is not None
+        a, b = self.plateaus.table[np.argsort(self.plateaus.table[:, 0])].T
+        period, lo = self.kernel.period, min(a[0], self.zones.a[0])
+        hi = max(b[-1], self.zones.b[-1]) if period is None else lo + period
+        ends = cells_around(a, b, lo, hi)
+        return self._sums_on(ends[:-1], ends[1:])
+
+    def _sums_on(self, a: Array, b: Array) -> PlateauSums:
+        assert self.plateaus is not None
+        return PlateauSums((self.plateaus.table, self.plateaus.values), a, b, self.kernel)
+
+    def _of_plateaus(self, x: Array, potential: bool) -> Array:
+        """Transform of the plateaus at points x (n,), or the potential if `potential` is true."""
+        sums, kernel = self._sums_on_line, self.kernel
+
+        def near(cell: Index, away: Array, which: Index, shift: Array) -> Array:
+            log = np.log(np.maximum(np.abs(away), 1e-300) / kernel.datum)
+            return np.asarray(away * (log - 1.0) if potential else log)
+
+        def alone(away: Array) -> Array:
+            return potential_primitive(kernel, away) if potential else self._of_lag(away)
+
+        x = self.off_positions(wrapped(x, float(sums.a[0]), kernel.period))
+        cell = np.clip(np.searchsorted(sums.a, x, side="right") - 1, 0, len(sums.a) - 1)
+        left, out = x - sums.a[cell], np.empty(len(x))
+        beyond = (x < sums.a[0]) | (left > 2 * sums.half[cell] + 8 * np.spacing(np.abs(x)))
+        out[~beyond] = sums(cell[~beyond], left[~beyond], near, potential)
+        out[beyond] = -self._summed(x[beyond], alone)
+        return out
+
+    @cached_property
+    def _singular(self) -> tuple[Index, Array, Array]:
+        """Logarithms in or near a zone: (numbers of pairs, places of the logarithms, omitted terms).
+        The pair of zone i and term k has the number i n + k, with the number n of all terms.
+        """
+        near, zones, count = self.near, self.zones, len(self.at)
+        number = near.zone * count + near.which
+        order = np.argsort(number, kind="stable")
+        zone, which = near.zone[order], near.which[order]
+        place, period = self.at[which], self.kernel.period
+        if period is not None:
+            place = place + np.round((zones.middle[zone] - place) / period) * period
+        size = np.abs(near.rho[order])
+        left = np.log(zones.half[zone] / (2 * size * self.kernel.datum))
+        return number[order], place, left
+
+    def _near_zones(self, zone: Index, away: Array, which: Index, shift: Array) -> Array:
+        """Terms (2, pairs) of the ends of plateaus near zones; see `OfPairs`.
+        Near the zone of a point, ln(2 |rho| |t - s|) is left out of the term, as in `on_zones`.
+        """
+        numbers, places, left = self._singular
+        with np.errstate(divide="ignore"):
+            log = np.log(np.abs(away) / self.kernel.datum)
+        if len(numbers) == 0:
+            return np.asarray(log)
+        assert self.plateaus is not None
+        for side, term in enumerate((which, which + len(self.plateaus.table))):
+            number = zone * len(self.at) + term
+            k = np.minimum(np.searchsorted(numbers, number), len(numbers) - 1)
+            found = numbers[k] == number
+            if self.kernel.period is not None:
+                # Only one periodic image of the logarithm is near the zone.
+                place = self.plateaus.table[which, side] + shift
+                found &= np.abs(place - places[k]) < 0.25 * self.kernel.period
+            log[side] = np.where(found, left[k], log[side])
+        return np.asarray(log)
 
     def _on_zones(self, zone: Index, left: Array) -> Array:
         zones, kernel = self.zones, self.kernel

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import sie
+from sie.jumps.logarithms import Logarithms
 
 FREE = sie.FREE
 
@@ -200,3 +201,28 @@ def test_a_plateau_at_the_crest_of_full_contact():
     away = np.array([-0.6, 0.0, 0.4])
     exact = limit - 2 * np.cos(away) * np.sqrt(np.sin(half) ** 2 - np.sin(away) ** 2)
     assert np.abs(found.density(np.pi / 2 + away) - exact).max() < 1e-11
+
+
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["alone", "period"])
+def test_the_field_of_many_plateaus_by_a_tree_is_the_sum_over_their_ends(kernel, monkeypatch):
+    rng, value, count = np.random.default_rng(3), sie.free_with_value(1.7), 120
+    # Between gaps there are two zones and a plateau in turn; every third zone is very narrow.
+    ends = np.sort(rng.uniform(0.05, 0.9, 4 * count)).reshape(-1, 4)
+    ends[::3, 1] = ends[::3, 0] + 1e-7 * (ends[::3, 1] - ends[::3, 0])
+    zones = sie.Zones.of(ends.reshape(-1, 2), [FREE, value] * count, [value, FREE] * count)
+    fast = Logarithms.of_plateaus(zones, kernel)
+    slow = Logarithms.of_plateaus(zones, kernel)
+    monkeypatch.setattr(slow, "_are_many", lambda points: False)
+    zone = np.repeat(np.arange(len(zones)), 40)
+    left = np.tile(1 + np.cos(np.pi * (np.arange(40) + 0.5) / 40), len(zones))
+    x = rng.uniform(-0.3, 1.3, 5000)
+    lag = (x[:, None] - fast.at + 0.5) % 1.0 - 0.5 if kernel.period else x[:, None] - fast.at
+    rounding = 1e-15 / np.abs(lag).min(axis=1)  # of the logarithm of a rounded lag
+    for of, allowed in (
+        (lambda terms: terms.on_zones(zone, left), 0.0),
+        (lambda terms: terms.at_points(x), rounding),
+        (lambda terms: terms.primitive_at(x), 0.0),
+    ):
+        assert np.all(np.abs(of(fast) - of(slow)) < 1e-12 + allowed)
+    assert {"_sums_on_zones", "_sums_on_line"} <= set(vars(fast))
+    assert "_sums_on_line" not in vars(slow)
