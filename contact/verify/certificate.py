@@ -183,7 +183,8 @@ def certify(
     )
     note = unresolved_gaps_note(left_out, "their zones") if left_out else ""
     equilibrium = _equilibrium(fields, control) if law.equilibria.several else None
-    if not gaps.on_zones <= _allowed_gap(fields):
+    # A rough solution is not tested: its ends move the gap by more than its density's error.
+    if not unresolved_fraction and not gaps.on_zones <= _allowed_gap(fields):
         holds = False
         note = (
             f"on the zones, where it is zero, the gap comes to {gaps.on_zones * units.height:.1e} "

@@ -14,12 +14,14 @@ zones interact directly, by the closed forms of `sie.dense.system`. See L. Green
 and V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension and with Chebyshev series.
 """
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from sie.basis import chebyshev, lazy
-from sie.basis.data import DIGITS, Array, record
+from sie.basis import chebyshev, compiled, lazy
+from sie.basis.data import DIGITS, Array, Index
 from sie.basis.interval import Outside, decay_rate
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -27,95 +29,141 @@ from sie.dense.system import Layout
 from sie.trees.far import FarSum, Nested
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
-from sie.trees.tree import TERMS, Pairs, Tree
+from sie.trees.tree import TERMS, Tree
 
 
-@record
-class NearRows:
-    """Sparse matrices from the unknowns of zones to their fields on neighbouring zones.
+class NearSums:
+    """Fields of zones on neighbouring zones, in closed form.
 
-    transform: at the inner Lobatto nodes of each solved zone; potential: at their middles.
+    They are the transform at the inner Lobatto nodes of each solved zone, and the potential at its
+    middle. A large sum of transforms is a compiled loop, others are a product with a matrix.
     """
 
-    transform: Any
-    potential: Any
-
-    @classmethod
-    def of(cls, zones: Zones, kernel: Kernel, layout: Layout, pairs: Pairs) -> "NearRows":
-        solved = zones.solved
+    def __init__(self, zones: Zones, kernel: Kernel, layout: Layout, far: FarSum) -> None:
+        self.kernel, self.layout, self.far = kernel, layout, far
+        pairs, solved = far.near, zones.solved
         other = ~((solved[pairs.target] == pairs.source) & (pairs.shift == 0.0))
         place, source, shift = pairs.target[other], pairs.source[other], pairs.shift[other]
         zone = solved[place]
         right = zones.middle[zone] > zones.middle[source] + shift
-        sign = np.where(right, 1.0, -1.0)
         past = (zones.a[zone] - (zones.b[source] + shift)) + (
             zones.rest[0, zone] - zones.rest[1, source]
         )
-        before_it = ((zones.a[source] + shift) - zones.b[zone]) + (
+        before = ((zones.a[source] + shift) - zones.b[zone]) + (
             zones.rest[0, source] - zones.rest[1, zone]
         )
-        gap = np.where(right, past, before_it)
-        half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
+        self.place, self.source, self.sign = place, source, np.where(right, 1.0, -1.0)
+        self.gap = np.where(right, past, before)
+        self.half, self.width = zones.half[source], zones.half[zone]
+        self.nodes = layout.m[solved]  # number of nodes of each solved zone
         # The powers of rho decay most slowly at the node nearest to the source. The decay rate at
         # this node gives the number of powers above round-off.
-        e = (
-            gap
-            + width
-            * np.array(
-                [chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)]
-            )[m]
-        ) / half
-        need = np.ceil(DIGITS / decay_rate(e) / 8).astype(np.intp) * 8
-        terms = np.minimum(layout.m[source] + 1, need)
-        per_zone = np.bincount(place, terms, minlength=len(solved)).astype(np.intp)
-        before = np.cumsum(terms) - terms
-        start = np.concatenate(([0], np.cumsum(per_zone)))[place]
-        in_row = before - start
-        rows = layout.m[solved]
-        pointer = np.concatenate(([0], np.cumsum(np.repeat(per_zone, rows))))
-        first_row = np.concatenate(([0], np.cumsum(rows)))
-        data, column = np.empty(pointer[-1]), np.empty(pointer[-1], dtype=np.int32)
-        pot_data, pot_column = (
-            np.empty(int(per_zone.sum())),
-            np.empty(int(per_zone.sum()), dtype=np.int32),
+        nearest = np.array(
+            [chebyshev.lobatto(n)[1][min(1, n)] for n in range(int(self.nodes.max(initial=0)) + 1)]
         )
-        key = m * (int(terms.max(initial=0)) + 1) + terms
+        e = (self.gap + self.width * nearest[self.nodes[place]]) / self.half
+        need, most = np.ceil(DIGITS / decay_rate(e) / 8).astype(np.intp) * 8, layout.m[source] + 1
+        self.terms = np.minimum(most, need)
+        self.rough_terms = np.minimum(most, need // 2)
+
+    @cached_property
+    def size(self) -> int:
+        """Number of terms of all transforms."""
+        return int(self.terms @ self.nodes[self.place])
+
+    def transform(self, y: Array, rough: bool = False) -> Array:
+        """Transform at the nodes of all solved zones, from the unknowns y of all zones.
+
+        rough: whether the terms that give half of the digits are enough.
+        """
+        loops = compiled.loops("near_sums", self.far.terms)
+        if loops is None:
+            return np.asarray(self._matrix @ y)
+        first, nodes = self._by_target
+        terms = self.rough_terms if rough else self.terms
+        out = np.empty(nodes[0][-1])
+        start = self.layout.offset[self.source]
+        pairs = first, start, terms, self.sign, self.gap, self.half, self.width
+        work = np.concatenate(([0], np.cumsum(terms * self.nodes[self.place])))[first]
+        compiled.in_threads(loops.near_fields, work, pairs, y, nodes, out)
+        return out
+
+    @cached_property
+    def _by_target(self) -> tuple[Index, tuple[Index, Array, Array]]:
+        """(first pair of each solved zone, its nodes as `near_fields` takes them)."""
+        first = np.searchsorted(self.place, np.arange(len(self.nodes) + 1))
+        places = [chebyshev.lobatto(n)[1:] for n in self.nodes.tolist()]
+        from_right, from_left = (
+            np.concatenate([np.zeros(0), *(side[1:-1] for side in sides)])
+            for sides in zip(*places, strict=True)
+        )
+        return first, (np.concatenate(([0], np.cumsum(self.nodes))), from_left, from_right)
+
+    @cached_property
+    def _matrix(self) -> Any:
+        """Sparse matrix from the unknowns of all zones to the transform at all nodes."""
+        pointer, at = self._entries(self.nodes)
+        data, column = np.empty(pointer[-1]), np.empty(pointer[-1], dtype=np.int32)
+        m = self.nodes[self.place]
+        key = m * (int(self.terms.max(initial=0)) + 1) + self.terms
         order = np.argsort(key, kind="stable")
         cuts = np.flatnonzero(np.diff(key[order], prepend=-1, append=-1))
         for lo, hi in zip(cuts[:-1], cuts[1:], strict=True):
             group = order[lo:hi]
-            nodes, count = int(m[group[0]]), int(terms[group[0]])
-            power = np.arange(count)
-            columns = layout.offset[source[group]][:, None] + power
-            middle = Outside(sign[group], (gap[group] + width[group]) / half[group])
-            values = middle.potentials(count, half[group] / kernel.datum)
-            at = before[group][:, None] + power
-            pot_data[at], pot_column[at] = values * half[group][:, None], columns
+            nodes, count = int(m[group[0]]), int(self.terms[group[0]])
             if nodes == 0:
                 continue
             _, from_right, from_left = chebyshev.lobatto(nodes)
-            away = (
-                np.where(right[group][:, None], from_left[1:-1], from_right[1:-1])
-                * width[group][:, None]
-            )
-            seen = Outside(
-                sign[group][:, None], (gap[group][:, None] + away) / half[group][:, None]
-            )
-            row = first_row[place[group]][:, None] + np.arange(nodes)
-            into = (pointer[row] + in_row[group][:, None])[..., None] + power
-            data[into] = seen.transforms(count)
-            column[into] = columns[:, None, :]
-        sparse = lazy.module("scipy.sparse")
-        size = layout.size
-        potential_pointer = np.concatenate(([0], np.cumsum(per_zone)))
-        # The row pointers have the integer type of the column indices if possible. Otherwise scipy
-        # would copy the column indices.
+            sign, half = self.sign[group][:, None], self.half[group][:, None]
+            away = np.where(sign > 0, from_left[1:-1], from_right[1:-1])
+            away = self.gap[group][:, None] + away * self.width[group][:, None]
+            power = np.arange(count)
+            into = at(group, nodes)[..., None] + power
+            data[into] = Outside(sign, away / half).transforms(count)
+            column[into] = self.layout.offset[self.source[group]][:, None, None] + power
+        return self._sparse(data, column, pointer)
+
+    @cached_property
+    def potential(self) -> Any:
+        """Sparse matrix from the unknowns of all zones to the potential at their middles."""
+        pointer, at = self._entries(np.ones_like(self.nodes))
+        data, column = np.empty(pointer[-1]), np.empty(pointer[-1], dtype=np.int32)
+        for count in np.unique(self.terms).tolist():
+            group, power = np.flatnonzero(self.terms == count), np.arange(count)
+            half = self.half[group]
+            middle = Outside(self.sign[group], (self.gap[group] + self.width[group]) / half)
+            into = at(group, 1) + power
+            data[into] = middle.potentials(count, half / self.kernel.datum) * half[:, None]
+            column[into] = self.layout.offset[self.source[group]][:, None] + power
+        return self._sparse(data, column, pointer)
+
+    def _entries(self, rows: Index) -> tuple[Index, Callable[[Index, int], Index]]:
+        """(row pointers of a matrix with `rows` rows for each solved zone, places of its entries).
+
+        The places are a function of pairs and of their number of rows. It gives the first entry of
+        each pair in each row.
+        """
+        per_zone = np.bincount(self.place, self.terms, minlength=len(rows)).astype(np.intp)
+        pointer = np.concatenate(([0], np.cumsum(np.repeat(per_zone, rows))))
+        first_row = np.cumsum(rows) - rows
+        in_row = np.cumsum(self.terms) - self.terms
+        in_row -= (np.cumsum(per_zone) - per_zone)[self.place]
+
+        def at(pairs: Index, count: int) -> Index:
+            row = first_row[self.place[pairs]][:, None] + np.arange(count)
+            return np.asarray(pointer[row] + in_row[pairs][:, None])
+
+        return pointer, at
+
+    def _sparse(self, data: Array, column: Index, pointer: Index) -> Any:
+        """The sparse matrix with these entries, columns and row pointers.
+
+        The pointers have the integer type of the columns if possible. Otherwise scipy would copy
+        the columns.
+        """
         wide = np.int32 if pointer[-1] <= np.iinfo(np.int32).max else np.int64
-        return cls(
-            sparse.csr_array((data, column, pointer.astype(wide)), shape=(len(pointer) - 1, size)),
-            sparse.csr_array(
-                (pot_data, pot_column, potential_pointer.astype(wide)), shape=(len(solved), size)
-            ),
+        return lazy.module("scipy.sparse").csr_array(
+            (data, column, pointer.astype(wide)), shape=(len(pointer) - 1, self.layout.size)
         )
 
 
@@ -186,7 +234,8 @@ class ZoneSums:
             else sources
         )
         self.far = FarSum(sources, targets, kernel)
-        self.near = NearRows.of(zones, kernel, layout, self.far.near)
+        self.near = NearSums(zones, kernel, layout, self.far)
+        self.far.near_terms = self.near.size
         m = layout.m[solved]
         self.first_row = np.concatenate(([0], np.cumsum(m)))
         self.groups = [(int(n), np.flatnonzero(m == n)) for n in np.unique(m)]
@@ -199,10 +248,10 @@ class ZoneSums:
     @property
     def size(self) -> int:
         """Number of terms of one evaluation of the field of all zones.
-        Counted are entries of the matrix for neighbouring zones, and terms of series for zones far
+        Counted are terms of the fields of neighbouring zones, and terms of series for zones far
         apart.
         """
-        return int(self.near.transform.nnz) + len(self.far.far) * TERMS
+        return self.near.size + len(self.far.far) * TERMS
 
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
         """Coefficients in U_l of the field on solved zones, and the potential of the field.
@@ -213,7 +262,7 @@ class ZoneSums:
         leaves = np.append(y, 0.0)[self.lead] * self.scale
         series, middle, mean = self.far(leaves, rough)
         mean = mean + self.near.potential @ y
-        at_nodes = self.near.transform @ y
+        at_nodes = self.near.transform(y, rough)
         if self.smooth is not None:
             seen, potential = self.smooth.at_targets(self.smooth.moments(y))
             at_nodes, middle = at_nodes + seen, middle + potential

@@ -50,7 +50,8 @@ from sie.basis.data import (
 from sie.basis.interval import Complex, InPlane, Outside, What, of_t, sides, theta
 from sie.basis.kernels import cauchy
 from sie.basis.sums import OPTIONS as SUMS
-from sie.basis.sums import pair_blocks, waves
+from sie.basis.sums import pair_blocks, sum_of_powers, waves
+from sie.jumps.formulas import OPTIONS as FAR
 from sie.trees.piecewise import PiecesInPlane, PiecewiseTransform, clenshaw
 from sie.trees.tree import SEPARATION, TERMS
 
@@ -497,9 +498,12 @@ class ConjugateSpline(Kept):
     # The methods below give the transform of the density off the zone, and the density's potential.
     def transform_off(self, z: Array, rho: Array) -> Array:
         """Transform of the density at points off the zone."""
-        out = np.empty(rho.shape)
+        out, is_far = np.empty(rho.shape), np.abs(rho) < FAR.far_rho[-1]
+        out[is_far] = self._series(self._cosines[1:], rho[is_far])
         (phi, weight), (left, right) = self._nodes, sides(self._nodes[0])
-        for here in pair_blocks(len(rho), len(phi)):
+        close = np.flatnonzero(~is_far)
+        for block in pair_blocks(len(close), len(phi)):
+            here = close[block]
             near = np.where(rho[here, None] > 0, right, left)
             size = np.abs(rho[here])[:, None]
             # `near` is the distance of cos(phi) from the right end for rho > 0, and from the left
@@ -511,6 +515,20 @@ class ConjugateSpline(Kept):
                 * (2 / np.pi)
             )
         return out
+
+    @cached_property
+    def _cosines(self) -> Array:
+        """Integrals (2/pi) int g cos(k phi) dphi, k = 0, 1, ..., for series in powers of rho.
+
+        They replace the sums over nodes at points with |rho| < `far_rho`. The transform is the sum
+        of the integrals times rho^k, k > 0.
+        """
+        phi, weight = self._nodes
+        return waves((2 / np.pi) * weight, phi, FAR.far_terms[-1] + 2).real
+
+    def _series(self, coefficients: Array, rho: Array) -> Array:
+        """The sum over k > 0 of coefficients_(k-1) rho^k."""
+        return rho * sum_of_powers(coefficients[None], rho, np.zeros(len(rho), dtype=np.intp))
 
     def in_plane(self, seen: InPlane, what: What) -> Complex:
         """Transform of the density, or its derivative by zeta, at complex points zeta."""
@@ -552,10 +570,15 @@ class ConjugateSpline(Kept):
         out = -rho * self.mean - c_0 * np.log(2 * np.abs(rho))
         sine, cosine = np.sin(phi), np.cos(phi)
         end = float(weight @ (sine * 0.5 * (np.pi - phi))) * (2 / np.pi)
-        off = np.flatnonzero(~on)
-        for here in pair_blocks(len(off), len(phi)):
-            r = rho[off[here], None]
-            out[off[here]] += np.arctan2(r * sine, 1 - r * cosine) @ (weight * sine) * (2 / np.pi)
+        is_far = np.abs(rho) < FAR.far_rho[-1]
+        # The argument arg(1 / (1 - rho e^(i phi))) is the sum of rho^k sin(k phi) / k.
+        c = self._cosines
+        k = np.arange(1, len(c) - 1)
+        out[is_far] += self._series((c[:-2] - c[2:]) / (2 * k), rho[is_far])
+        near = np.flatnonzero(~on & ~is_far)
+        for here in pair_blocks(len(near), len(phi)):
+            r = rho[near[here], None]
+            out[near[here]] += np.arctan2(r * sine, 1 - r * cosine) @ (weight * sine) * (2 / np.pi)
         whole = float(self.spline.integral(np.array([2.0]))[0])
         out[on] += end - (whole - self.spline.integral(left[on]) - self.mean * right[on])
         return out

@@ -175,6 +175,9 @@ class FarSum:
     """Fast sum of the fields that source intervals cause on far target intervals.
     The result is a Chebyshev series of the transform, and the potential at the middle, for each
     target.
+
+    near_terms: number of terms of a sum over near intervals that is computed together with each sum
+    over far ones. The two sums together decide whether compiled loops are loaded.
     """
 
     def __init__(self, sources: Nested, targets: Nested, kernel: Kernel) -> None:
@@ -195,6 +198,12 @@ class FarSum:
         at_middle = Outside(self._sign, (self._gap + self._width) / self._half)
         self.centre, self.log = at_middle.rho, at_middle.first(self._half / kernel.datum)
         self._nodes: dict[int, tuple[Array, Array]] = {}
+        self.near_terms = 0
+
+    @property
+    def terms(self) -> int:
+        """Number of terms of the sums over far and near intervals."""
+        return len(self.far) * TERMS**2 + self.near_terms
 
     def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
         """Numbers rho of the points at which far pairs are evaluated, and factors of series in rho.
@@ -237,7 +246,7 @@ class FarSum:
         give half of the digits, an error of 1e-7 of the sum, at a quarter of the time.
         """
         terms = TERMS // 2 if rough else TERMS
-        loops = compiled.loops("tree_sums", len(self.far) * TERMS**2, self.targets.kept)
+        loops = compiled.loops("tree_sums", self.terms, self.targets.kept)
         of = self._by_arrays if loops is None else partial(self._by_loops, loops)
         series, middle, rest = of(leaves[:, :terms])
         return widened(series, TERMS), middle, rest

@@ -9,6 +9,8 @@ import pytest
 
 import sie
 from sie.basis import compiled
+from sie.dense.system import System
+from sie.fast.zone_sums import ZoneSums
 from sie.jumps.right_side import ForcingJumps
 from sie.trees.far import FarSum, Nested
 from sie.trees.tree import TERMS, Tree
@@ -40,6 +42,29 @@ def test_far_fields_are_those_of_arrays(kernel, rough, threads, monkeypatch) -> 
     for one, other in zip(found[:2], wanted[:2], strict=True):
         size = np.abs(other).max(axis=-1, keepdims=True)
         assert np.all(np.abs(one - other) <= 1e-13 * size)
+
+
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["line", "period"])
+@pytest.mark.parametrize("symmetric", [False, True])
+def test_near_fields_are_those_of_matrices(kernel, symmetric, threads, monkeypatch) -> None:
+    """With all terms they agree to round-off, with those of half of the digits to 1e-7."""
+    rng = np.random.default_rng(6)
+    ends = np.cumsum(10.0 ** rng.uniform(-3, 0, 60)).reshape(-1, 2) / 60
+    table = np.concatenate((-ends[::-1, ::-1], ends)) if symmetric else ends
+    zones = sie.Zones.of(table, symmetric=symmetric)
+    m = rng.integers(0, 40, len(zones))
+    m = np.maximum(m, m[::-1]) if symmetric else m
+    equation = sie.Equation(kernel, lambda x: x, (sie.ZoneTotals(1.0),))
+    layout = System(
+        equation, zones, m, np.zeros((len(zones), m.max() + 1)), ForcingJumps.none()
+    ).layout
+    y = rng.normal(size=layout.size)
+    monkeypatch.setattr(compiled, "MIN_TERMS", np.inf)
+    wanted = ZoneSums(zones, kernel, layout).near.transform(y)
+    monkeypatch.setattr(compiled, "MIN_TERMS", 0)
+    sums = ZoneSums(zones, kernel, layout).near
+    assert np.abs(sums.transform(y) - wanted).max() <= 1e-13 * np.abs(wanted).max()
+    assert np.abs(sums.transform(y, rough=True) - wanted).max() <= 1e-6 * np.abs(wanted).max()
 
 
 @pytest.mark.parametrize("terms", [[], [5], [1, 1, 1], [100, 0, 0, 0, 1], [0, 0, 7, 7]])

@@ -4,11 +4,14 @@ few large numbers and few jumps.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
 import sie
+import sie.jumps.spline as spline_module
 from sie.basis.interval import OnLine, by_angle
 from sie.jumps.right_side import ForcingJumps
 from sie.jumps.spline import OPTIONS
@@ -97,6 +100,18 @@ def test_a_spline_leaves_one_jump_and_a_parabola(after: int) -> None:
             second, abs=(1e-3 if number == 6 else 1e-10) * float(np.abs(one.height).max()) / 100
         )
     assert other.rounding(1)[0] < 0.1 * one.rounding(1)[0]
+
+
+def test_off_the_zone_a_series_replaces_the_nodes(monkeypatch) -> None:
+    """Distances from the zone over twelve decades, on both sides."""
+    spline, rng = both()[1].splines[0], np.random.default_rng(3)
+    away, side = 10.0 ** rng.uniform(-8, 4, 200), rng.choice([-1.0, 1.0], 200)
+    z, rho = side * (1 + away), side / (1 + away + np.sqrt(away * (away + 2)))
+    found = spline.transform_off(z, rho), spline.potential(1 + z, 1 - z, rho)
+    monkeypatch.setattr(spline_module, "FAR", replace(spline_module.FAR, far_rho=(0.0, 0.0, 0.0)))
+    wanted = spline.transform_off(z, rho), spline.potential(1 + z, 1 - z, rho)
+    assert found[0] == pytest.approx(wanted[0], rel=1e-11)
+    assert found[1] == pytest.approx(wanted[1], rel=1e-13)
 
 
 def test_potential_of_the_spline_is_the_primitive_of_its_transform() -> None:

@@ -66,9 +66,11 @@ class GridOptions:
     max_repeats: int = 8
 
     @property
-    def rate_tolerance(self) -> float:
-        """Tolerance of the linear solves that give derivatives by the load and by the tilt.
-        They are those of the level (displacement plus height in contact) and of the moment.
+    def fine_tolerance(self) -> float:
+        """Tolerance of the finest grid of a first guess, and of derivatives by load and tilt.
+
+        The derivatives are those of the level (displacement plus height in contact) and of the
+        moment. Ends of zones found with a smaller tolerance need as many steps of Newton's method.
         """
         return self.first_tolerance**2
 
@@ -332,7 +334,7 @@ def turning_rate(state: GridState, x: Array) -> float:
     It is the moment of the pressure under the shape -x. Motions of the ends have no effect at first
     order, as the pressure is zero there.
     """
-    run = _Run(np.zeros(len(x)), state.influence, OPTIONS.rate_tolerance)
+    run = _Run(np.zeros(len(x)), state.influence, OPTIONS.fine_tolerance)
     pressure = run.conjugate_gradient(
         0.0, state.contact, None, run.tol, -(x - x[state.contact].mean())
     )[0]
@@ -542,7 +544,7 @@ class _Run:
             1.0,
             mask,
             np.where(mask, state.pressure, 0.0),
-            OPTIONS.rate_tolerance,
+            OPTIONS.fine_tolerance,
             np.zeros(len(mask)),
         )
         return level

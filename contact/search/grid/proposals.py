@@ -14,7 +14,7 @@ from contact.formulation.tables import ascending, centred_on, gaps_between
 from contact.model.interactions.periodic import Periodic
 from contact.model.profiles.derive import detail_of
 from contact.search.grid import nested_grids
-from contact.search.grid.conjugate_gradient import Response
+from contact.search.grid.conjugate_gradient import OPTIONS, Response
 from contact.search.grid.nested_grids import Proposal, grid_height, propose
 from contact.search.grid.scaling import ScaledScene
 from contact.search.options import SEARCH
@@ -26,7 +26,6 @@ def proposed(
     scaled: ScaledScene,
     control: Control,
     points: int | None,
-    tol: float = SEARCH.intermediate,
     start: Proposal | None = None,
     cap: float = math.inf,
 ) -> Proposal:
@@ -45,7 +44,7 @@ def proposed(
         points=points,
         load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height,
-        tol=tol,
+        tol=OPTIONS.fine_tolerance,
         start=None if start is None else start.state,
         between_points=True,
     )
@@ -117,13 +116,7 @@ def _corrected(
     (load, rate, near), before = start, (math.nan, math.nan)
     tried: list[tuple[float, Proposal]] = []
     for _ in range(SEARCH.max_attempts):
-        found = near = proposed(
-            scaled,
-            Load(load),
-            points,
-            SEARCH.intermediate if points is None else SEARCH.rough,
-            start=near,
-        )
+        found = near = proposed(scaled, Load(load), points, start=near)
         error = _width_error(
             found.width / scaled.problem.units.length, width, scaled.problem.repeat_length
         )
@@ -167,7 +160,7 @@ def _load_of_width(scaled: ScaledScene, width: float, points: int) -> tuple[floa
     tried: list[tuple[float, float]] = []
     found: Proposal | None = None
     for _ in range(SEARCH.max_steps):
-        found = proposed(scaled, Load(load), points, SEARCH.rough, start=found)
+        found = proposed(scaled, Load(load), points, start=found)
         contact = found.width / units.length
         error = _width_error(contact, width, period)
         tried.append((math.log(load), error))
