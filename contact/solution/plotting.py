@@ -188,20 +188,24 @@ def draw_pressure(axes: Any, solution: Solution, column: Stretch, name: str = "p
     """
     x = positions(solution, column.lo, column.hi, POINTS.screen_points)
     zones, along = zones_within(solution, column.lo, column.hi), column.along(x)
-    pressure, top = solution.pressure(x), top_pressure(solution)
-    # At the end of an adhesive zone the tension may be infinite. Such a tension is drawn at most as
-    # far below zero as the peak pressure is above zero.
+    pressure, top = solution.pressure(x), max(top_pressure(solution), 0.0)
+    # At the end of an adhesive zone the tension may be infinite or much larger than the peak
+    # pressure. It is drawn at most as far below zero as the peak pressure is above zero. Where the
+    # peak is small, as before pull-off, the median pressure on the zones takes its place.
     lowest = float(np.min(pressure, initial=0.0))
-    if not np.isfinite(lowest):
-        lowest = max(float(np.min(pressure[np.isfinite(pressure)], initial=0.0)), -top)
-        _note(axes, r"$p \to -\infty$", 0.05)
+    touching = np.abs(pressure[on_zones(x, zones)])
+    depth = max(top, float(np.median(touching))) if touching.size else np.inf
+    if lowest < -depth:
+        least = r"$p \to -\infty$" if np.isinf(lowest) else f"tension {quantity(-lowest, 'Pa')}"
+        _note(axes, least, 0.05)
+        lowest = max(float(np.min(pressure[np.isfinite(pressure)], initial=0.0)), -depth)
     if np.isinf(solution.max_pressure):
         _note(axes, r"$p \to \infty$", 0.92)
     elif column.hi - column.lo < np.ptp(window(solution)):
         top = max(float(pressure.max()), 1e-3 * top)
-    top = top or 1.0  # without contact there is no pressure
+    size = max(top, -lowest) or 1.0  # without contact there is no pressure
     scale, unit = scaled(max(top_pressure(solution), -lowest), "Pa")
-    shown = np.clip(pressure, lowest - top, 2.0 * top) * scale
+    shown = np.clip(pressure, lowest - size, top + size) * scale
     fill = {"color": PRESSURE, "linewidth": 0}
     axes.fill_between(along, 0.0, shown, where=on_zones(x, zones), alpha=0.22, **fill)
     axes.plot(along, shown, color=PRESSURE, linewidth=1.2)
@@ -213,7 +217,7 @@ def draw_pressure(axes: Any, solution: Solution, column: Stretch, name: str = "p
         highest = pressure >= solution.scene.law.pressure_range.highest
         axes.fill_between(along, 0.0, shown, where=highest, alpha=0.3, label="plateau", **fill)
     if solution.scene.law.shear_ratio:
-        shear = np.clip(solution.shear(x), -2.0 * top, 2.0 * top)
+        shear = np.clip(solution.shear(x), -2.0 * size, 2.0 * size)
         lowest = min(lowest, float(shear.min()))
         style = {"color": SURFACE, "linewidth": 1.2, "linestyle": (0, (4, 2))}
         axes.plot(along, shear * scale, label="shear", **style)
@@ -229,7 +233,7 @@ def draw_pressure(axes: Any, solution: Solution, column: Stretch, name: str = "p
             ha="right",
             fontsize=9,
         )
-    low, high = 1.08 * lowest * scale, 1.08 * top * scale
+    low, high = 1.08 * lowest * scale, (top + 0.08 * size) * scale
     axes.set(ylim=(low, high), ylabel=f"{name} [{unit}]")
 
 
@@ -241,6 +245,7 @@ def _note(axes: Any, text: str, height: float) -> None:
         ha="right",
         va="top" if height > 0.5 else "bottom",
         fontsize=9,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5, "alpha": 0.8},
     )
 
 
