@@ -51,6 +51,11 @@ _DASHES: tuple[Any, ...] = (
     (0, (1, 1)),
 )
 _COLOURS = ("#1f5a92", "#b3261e", "#3d7a4a", "#8a5a00", "#6a3d8a", "#444444")
+# Lines that can be told apart in grey, too.
+_LINES = [
+    {"color": colour, "linestyle": dashes, "lw": 1.3}
+    for colour, dashes in zip(_COLOURS, _DASHES, strict=True)
+]
 
 
 def scripts() -> dict[str, Path]:
@@ -120,7 +125,7 @@ def _distinct(solutions: list[contact.Solution]) -> list[contact.Solution]:
         if len(shapes) > 2
         else {repr(one.scene): one for one in solutions}
     )
-    return list(last.values())[-len(_COLOURS) :]
+    return list(last.values())[-len(_LINES) :]
 
 
 def of_contact(solutions: list[contact.Solution]) -> Any:
@@ -152,8 +157,7 @@ def of_contact(solutions: list[contact.Solution]) -> Any:
         x = positions(one, *window(one))
         pressure = np.clip(scales[place] * one.pressure(x), -highest, 1.5 * highest)
         lowest = min(lowest, float(pressure.min()))
-        line = {"color": _COLOURS[place], "linestyle": _DASHES[place], "lw": 1.3, "label": label}
-        bottom.plot(whole.along(x), pressure, **line)
+        bottom.plot(whole.along(x), pressure, label=label, **_LINES[place])
     bottom.set(ylabel=name, xlabel=whole.label, xlim=whole.limits)
     bottom.set_ylim(1.08 * lowest, 1.08 * highest)
     for axes in (top, bottom):
@@ -232,24 +236,6 @@ def _varied(shown: list[contact.Solution]) -> list[tuple[str, str]]:
         for table, name in keys
         if len({repr(other.get(table, {}).get(name)) for other in tables}) > 1
     ]
-
-
-def of_engine(found: list[sie.Solution]) -> Any:
-    """A figure of the densities of the last solutions on their intervals."""
-    figure = new_figure(6.0, 3.2)
-    axes = figure.subplots()
-    t = np.sin(np.linspace(-0.5, 0.5, 301) * np.pi)
-    top = low = 0.0
-    for one, colour in zip(found[-len(_COLOURS) :], _COLOURS, strict=False):
-        for zone, (a, b) in enumerate(zip(one.zones.a, one.zones.b, strict=True)):
-            x = 0.5 * (a + b) + 0.5 * (b - a) * t[1:-1]
-            density = one.density.at_t(zone, t[1:-1])
-            top = max(top, 4.0 * float(np.median(np.abs(density))))
-            low = min(low, float(np.min(density)))
-            axes.plot(x, density, color=colour, lw=1.2)
-    axes.axhline(0.0, color="black", lw=0.5)
-    axes.set(xlabel="x", ylabel="density", ylim=(max(low, -top) - 0.02 * top, top))
-    return figure
 
 
 def limited_trace(hardness: float = 6e9) -> contact.Solution:
@@ -346,7 +332,8 @@ def keep(name: str, file: Path, folder: Path = KEPT) -> None:
         save(solution.plot(), folder / f"{name}.png", dpi=80)
         (folder / f"{name}.txt").write_text(numbers(solution), encoding="utf-8")
         return
-    from engine_pictures import DRAWINGS  # stands beside this script
+    # This module stands beside this script.
+    from engine_pictures import DENSITIES, DRAWINGS, of_densities
 
     shown = run(file)
     if shown.paths:
@@ -357,9 +344,13 @@ def keep(name: str, file: Path, folder: Path = KEPT) -> None:
         report = stress_report(shown.returned.solution)
         save(plot_stress(report, "mises"), folder / f"{name}.png", dpi=70)
     elif name in DRAWINGS:
-        save(DRAWINGS[name](shown.returned), folder / f"{name}.png")
+        save(DRAWINGS[name](shown.returned, _LINES), folder / f"{name}.png")
     else:
-        figure = of_contact(shown.contacts) if shown.contacts else of_engine(shown.equations)
+        figure = (
+            of_contact(shown.contacts)
+            if shown.contacts
+            else of_densities(shown.equations[-len(_LINES) :], DENSITIES[name], _LINES)
+        )
         save(figure, folder / f"{name}.png")
     (folder / f"{name}.txt").write_text(shown.printed, encoding="utf-8")
 

@@ -110,35 +110,30 @@ def scaling(rows: list[Scaled], path: Path) -> None:
     figure = require("matplotlib.figure").Figure(
         figsize=(4.4 * across, 3.4 * down), layout="constrained"
     )
-    for axis, name in zip(
-        figure.subplots(down, across, squeeze=False).ravel(), series, strict=False
-    ):
+    panels = dict(zip(series, figure.subplots(down, across, squeeze=False).ravel(), strict=False))
+    for name, axis in panels.items():
         some = [row for row in rows if row.series == name]
-        large = fitted(some)
-        size, power = (
-            np.array([row.size for row in some]),
-            np.array([float(row.size) for row in large]),
-        )
-        time, memory = (
-            [float(getattr(row, what)) for row in large] for what in ("seconds", "peak_bytes")
-        )
+        power = np.array([float(row.size) for row in fitted(some)])
+        grows = [
+            f"{what} ~ size^{exponent(power, np.array(values)):.2f}"
+            for what, values in (
+                ("time", [row.seconds for row in fitted(some)]),
+                ("memory", [float(row.peak_bytes) for row in fitted(some)]),
+            )
+        ]
+        size = np.array([row.size for row in some])
+        axis.loglog(size, [row.seconds for row in some], "o-", label="time [s]")
         axis.loglog(
-            size,
-            [row.seconds for row in some],
-            "o-",
-            label=f"time ~ size^{exponent(power, np.array(time)):.2f}",
+            size, [row.floor for row in some], "k:", label="lower estimate, by direct sums [s]"
         )
-        axis.loglog(size, [row.floor for row in some], "k:", label="floor, by direct sums")
-        label = f"peak memory [GB] ~ size^{exponent(power, np.array(memory)):.2f}"
-        axis.loglog(
-            size, [row.peak_bytes / 1e9 for row in some], "s--", color="tab:red", label=label
-        )
-        axis.set(title=name, xlabel="size", ylabel="processor time [s]")
+        memory = [row.peak_bytes / 1e9 for row in some]
+        axis.loglog(size, memory, "s--", color="tab:red", mfc="none", label="peak memory [GB]")
+        axis.set(xlabel="size", ylabel="processor time [s], memory [GB]")
+        axis.set_title(f"{name}\n{', '.join(grows)}", fontsize="medium")
         axis.set_xticks(size, [f"{n:g}" for n in size], fontsize="x-small")
         axis.set_xticks([], minor=True)
         axis.grid(True, alpha=0.3)
-        axis.legend(fontsize="small")
-    figure.savefig(path, dpi=90)
+    _finish(figure, panels, path)
 
 
 def _line(
