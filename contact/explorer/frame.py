@@ -43,7 +43,8 @@ class FrameOptions:
 OPTIONS = FrameOptions()
 _LARGEST = "contact.inside.largest"
 _YIELDING = "contact.inside.yielding"
-_REPORT = "contact.solution.stress_report"
+_STRESSES = "contact.solution.stress_report"
+_REPORT = "contact.solution.report"
 
 
 @dataclass(frozen=True)
@@ -134,10 +135,13 @@ def _infinite(solution: Solution, x: Array, pressure: Array, zones: Array) -> tu
     return np.union1d(x[rising], tips[inside]), np.unique(falling)
 
 
-def numbers(frame: Frame, seconds: float) -> list[tuple[str, str]]:
-    """(name, value as text) of each number that the page shows for a solution."""
+def numbers(frame: Frame, seconds: float, most: int = 6) -> list[tuple[str, str]]:
+    """(name, value as text) of each number that the page shows for a solution.
+    A value has the bound of its error and the digits that this bound allows, up to `most`.
+    """
     solution = frame.solution
     zones = len(solution.zones)
+    known = require(_REPORT).quantities(solution, most)
     rows = [
         ("stated error, at most", f"{solution.error:.0e}"),
         (
@@ -146,20 +150,19 @@ def numbers(frame: Frame, seconds: float) -> list[tuple[str, str]]:
             if solution.certificate.holds
             else f"does not hold: {solution.certificate.to_dict()['note']}",
         ),
-        ("load", quantity(solution.load, "N/m")),
-        ("mean pressure", quantity(solution.mean_pressure, "Pa", none="")),
-        ("largest pressure", quantity(solution.max_pressure, "Pa")),
-        ("approach", quantity(solution.approach, "m", none="")),
-        (
-            "contact fraction",
-            "" if solution.contact_fraction is None else f"{100 * solution.contact_fraction:.4g} %",
-        ),
+        *((name, _with_bound(value, error)) for name, value, error in known),
         ("zones", str(zones) if zones else "full contact" if solution.contact_fraction else "none"),
-        ("width in contact", quantity(float(np.sum(solution.zone_widths)), "m") if zones else ""),
         ("E*", quantity(solution.scene.E_star, "Pa")),
         ("solved in", quantity(seconds, "s", 3)),
     ]
     return [(name, value) for name, value in rows if value]
+
+
+def _with_bound(value: str, error: str) -> str:
+    """A value and the bound of its error, of the same unit, as text such as "1.07 ± 0.02 µm".
+    The value alone if the error is a word, such as "given".
+    """
+    return f"{value.split()[0]} ± {error}" if error[0].isdigit() else value
 
 
 @dataclass(frozen=True)
@@ -188,7 +191,7 @@ def below(
     stretch: interval of x [m], None for all; find_largest: whether the largest stress of the body
     is found, too.
     """
-    report = require(_REPORT)
+    report = require(_STRESSES)
     lo, hi = stretch or window(solution)
     depth = report.depth_of(solution, lo, hi)
     size = (hi - lo) / columns

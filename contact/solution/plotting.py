@@ -203,7 +203,9 @@ def draw_pressure(axes: Any, solution: Solution, column: Stretch, name: str = "p
         _note(axes, r"$p \to \infty$", 0.92)
     elif column.hi - column.lo < np.ptp(window(solution)):
         top = max(float(pressure.max()), 1e-3 * top)
-    size = max(top, -lowest) or 1.0  # without contact there is no pressure
+    if lowest == 0.0:
+        top = top or 1.0  # without contact there is no pressure
+    size = max(top, -lowest)
     scale, unit = scaled(max(top_pressure(solution), -lowest), "Pa")
     shown = np.clip(pressure, lowest - size, top + size) * scale
     fill = {"color": PRESSURE, "linewidth": 0}

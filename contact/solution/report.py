@@ -97,7 +97,7 @@ def _crowding(solution: Solution) -> float:
 def numbers(solution: Solution) -> list[Row]:
     """Name, value and bound of the error, as text, of each number that the scene defines."""
     modulus = quantity(solution.scene.E_star, "Pa", 10)
-    return [("E*", modulus, "given"), *_quantities(solution), *_counts(solution)]
+    return [("E*", modulus, "given"), *quantities(solution), *_counts(solution)]
 
 
 def given_or_found_load(solution: Solution) -> float:
@@ -106,7 +106,8 @@ def given_or_found_load(solution: Solution) -> float:
     return solution.load if given is None else given
 
 
-def _quantities(solution: Solution) -> Iterator[Row]:
+def quantities(solution: Solution, most: int = 10) -> Iterator[Row]:
+    """Name, value and bound of the error of the measured quantities, with up to `most` digits."""
     scene, errors, width = solution.scene, Errors(solution), total_width(solution)
     period, ratio = scene.profile.period, abs(scene.law.shear_ratio)
     fraction, load = solution.contact_fraction, given_or_found_load(solution)
@@ -140,7 +141,7 @@ def _quantities(solution: Solution) -> Iterator[Row]:
     for name, value, unit, bound in found:
         # The gap of surfaces that are apart under a load is infinite.
         if value is not None and (np.isfinite(value) or not is_apart(solution)):
-            text, shown = with_error(value, 0.0 if given.get(name) else bound, unit)
+            text, shown = with_error(value, 0.0 if given.get(name) else bound, unit, most)
             yield name, text, "given" if given.get(name) else shown
 
 
