@@ -180,7 +180,9 @@ def objective_of(given: Any) -> Objective | Measured | StressObjective:
         raise SceneError.of("objective", given, "the name of a number, or a contact.Objective")
     sign, number = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
     if number in STRESSES:
-        raise SceneError.of("objective", given, "a contact.StressObjective, which has the criterion")
+        raise SceneError.of(
+            "objective", given, "a contact.StressObjective, which has the criterion"
+        )
     one_of("objective", number, NUMBERS)
     if number.startswith("zone"):
         raise SceneError.of("objective", given, "a number that is no array, or a contact.Objective")

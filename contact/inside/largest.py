@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.formulation.protocol import Fields
+from contact.formulation.tolerances import TOLERANCES
 from contact.inside.stress import LATERAL, Stress
 from contact.model.scene import Scene
 from sie import Array
@@ -44,6 +45,10 @@ class LargestOptions:
 
 
 OPTIONS = LargestOptions()
+
+# Step [rad] of the angles at which stresses beside a corner are compared. Near its maximum a stress
+# varies like the square of the angle, so that the step's square bounds the relative error.
+CORNER_STEP = 1e-4
 
 
 class Body(Protocol):
@@ -111,6 +116,17 @@ class Criterion:
         of_shear = of_plane / (plane or 1.0)
         return 0.5 * (skew * np.sign(mean) * both + of_shear) if branch else of_shear
 
+    @property
+    def at_corner(self) -> float:
+        """Largest equivalent stress beside a step of the pressure from 1 to 0.
+
+        Uniform pressure on a half line causes these stresses at the angle `angle` to the free part.
+        """
+        angle = np.arange(0.0, np.pi, CORNER_STEP)
+        plane, turned = angle / np.pi, np.sin(2 * angle) / (2 * np.pi)
+        shear, none = np.sin(angle) ** 2 / np.pi, np.zeros(len(angle))
+        return float(self.of(Stress(-plane - turned, -plane + turned, shear, none)).max())
+
     def at(self, body: Body, x: Array, y: Array) -> Array:
         """The equivalent stress at points; 0 where it is not known or infinite."""
         return np.nan_to_num(self.of(body.stress(x, y, self.lateral, self.nu)), posinf=0.0)
@@ -170,7 +186,21 @@ def peaks(body: Body, criterion: Criterion) -> list[Peak]:
             places.append((x, y, value, y))
     x, y, value, size = (np.concatenate(part) for part in zip(*places, strict=True))
     x, y, size = _apart(x, y, value, size)
-    return _refined(body, criterion, x, y, size)
+    return _refined(body, criterion, x, y, size) + _at_corners(body, criterion)
+
+
+def _at_corners(body: Body, criterion: Criterion) -> list[Peak]:
+    """The largest stresses beside sharp corners in contact, where the pressure is at its limit.
+
+    The plateau there may be far narrower than the smallest depth of the scan.
+    """
+    limits, support = body.scene.law.pressure_range, body.scene.profile.support
+    if support is None or not limits.has_limit:
+        return []
+    stress = limits.highest * criterion.at_corner
+    least = limits.highest * (1 - TOLERANCES.rounding)
+    at = [x for x in support if body.pressure(np.array([x]))[0] >= least]
+    return [Peak(stress, CORNER_STEP**2 * stress, x, 0.0) for x in at]
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.inside.largest import OPTIONS as LARGEST
 from contact.inside.largest import Body, Criterion, Peak, largest
-from contact.inside.stress import LATERAL, Stress
+from contact.inside.stress import LATERAL
 from contact.model.checks import one_of, poisson_ratio, positive
 from contact.model.laws.plastic import bearing_width
 from contact.model.scene import Scene
@@ -175,7 +175,9 @@ class _Search:
         highest = body.scene.law.pressure_range.highest
         support = body.scene.profile.support
         if support is not None:
-            return self._cornered(support[0], highest * _at_corner(self.criterion))
+            return self._cornered(support[0], highest * self.criterion.at_corner)
+        if _is_wedge(body):
+            return self._at_any_load(self.add(body.load, body))
         point = self._start(body)
         if point[1] >= 0:
             if point[2].max_pressure <= 0.5 * highest:
@@ -187,6 +189,13 @@ class _Search:
         end = most
         if np.isinf(most):
             end = OPTIONS.max_ratio**2 * max(body.load, point[2].load)
+        return self._scanned(point, most, end)
+
+    def _scanned(self, point: Point, most: float, end: float) -> Yield:
+        """First yield above the load of `point`, by a scan of loads up to `end`.
+
+        most: a load [N/m] that is larger than all that the body bears; it may be infinite.
+        """
         points, load, ended = [point], point[2].load, ""
         tops: dict[int, Point] = {}  # by the index of the middle one of three points
         while load < end and most - load > load / OPTIONS.max_ratio**3:
@@ -194,7 +203,9 @@ class _Search:
             new = self._trial(float(np.log(load)))
             if new is None:
                 ended = f"; no contact was found under {load:.6g} N/m, and no larger load was tried"
-                break
+                # The largest load with a contact is approached by bisection.
+                most, load = load, points[-1][2].load
+                continue
             points.append(new)
             if _may_reach(points[-3:]):
                 top = tops[len(points) - 2] = self._top(points[-3:])
@@ -221,6 +232,16 @@ class _Search:
             "strength",
             self.strength,
             f"at most {reached:.4g} Pa, the stress at the sharp corners under any load",
+        )
+
+    def _at_any_load(self, point: Point) -> Yield:
+        """First yield of a body whose stresses are the same under any load, as at `point`."""
+        peak = point[3]
+        if point[1] >= 0:
+            return Yield(0.0, peak.x, peak.y, 0.0, _BLUNTED)
+        raise OutOfRange(
+            f"no yield: the largest stress of a wedge is {peak.stress:.4g} Pa under any load, and "
+            "does not reach the strength"
         )
 
     def _between(self, below: Point, above: Point) -> Yield:
@@ -346,16 +367,19 @@ def _may_reach(points: list[Point]) -> bool:
 _BLUNTED = "a sharp corner or tip, where the pressure is at its limit under any load"
 
 
-def _at_corner(criterion: Criterion) -> float:
-    """Largest equivalent stress next to a sharp corner at which the pressure jumps from 1 to 0.
+def _is_wedge(body: Body) -> bool:
+    """Whether the profile is a wedge: straight on both sides of one tip, without an end.
 
-    Uniform pressure on a half line causes these stresses at the angle `angle` to the free surface.
+    No length is given then, so that a larger load only magnifies the pressures' places.
     """
-    angle = np.linspace(0.0, np.pi, 2001)
-    plane, turned = angle / np.pi, np.sin(2 * angle) / (2 * np.pi)
-    shear, none = np.sin(angle) ** 2 / np.pi, np.zeros(len(angle))
-    stress = Stress(-plane - turned, -plane + turned, shear, none)
-    return float(criterion.of(stress).max())
+    scene = body.scene
+    profile, tips = scene.profile, scene.profile.kinks[:, 0]
+    if scene.period is not None or profile.known is not None or len(tips) != 1:
+        return False
+    size = float(np.abs(body.zones - tips[0]).max()) * np.geomspace(1e-3, 1e3, 25)
+    rise = np.asarray(profile.height(tips[0] + size * [[-1.0], [1.0]]))
+    slope = (rise - float(np.asarray(profile.height(tips))[0])) / size
+    return bool(np.all(np.ptp(slope, axis=1) <= 1e-9 * np.abs(slope).max()))
 
 
 def infinite_at(body: Body) -> float | None:

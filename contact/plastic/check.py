@@ -61,7 +61,7 @@ def checked(fields: PlasticFields, load: float | None) -> Checked:
     """Check all signs and the load, and that the approach is the same on all elastic intervals."""
     certificate = certify(fields, load)
     below = pressure_signs(fields, fields.limit)
-    above = np.array([*below.negative, *_tips(fields)]).reshape(-1, 2)
+    above = np.array([*below.negative, *_tips(fields), *_corners(fields)]).reshape(-1, 2)
     above = above[np.argsort(above[:, 0])]
     opened, least, rounding, points = np.zeros((0, 2)), np.inf, 0.0, 0
     if len(fields.density.plateaus):
@@ -86,6 +86,24 @@ def checked(fields: PlasticFields, load: float | None) -> Checked:
         above,
         opened,
     )
+
+
+def _corners(fields: PlasticFields) -> list[tuple[float, float]]:
+    """Intervals beside sharp corners of the profile in which the pressure exceeds the limit H.
+
+    Elastic contact ends there with p ~ K / sqrt(d) at the distance d: it exceeds H for d < (K/H)^2.
+    Intervals that rounding does not tell from the corner are left out.
+    """
+    density, corners, found = fields.density, fields.problem.corners, []
+    reach = (np.array(density.intensities) / fields.limit) ** 2
+    zones = density.zones
+    for i, (a, b) in enumerate(zones.table.tolist()):
+        narrow = TOLERANCES.narrowest_gap * (b - a)
+        if a == corners[0] and narrow < reach[0, i] < np.inf:
+            found.append((a, a + min(float(reach[0, i]), 0.5 * (b - a))))
+        if b == corners[1] and narrow < reach[1, i] < np.inf:
+            found.append((b - min(float(reach[1, i]), 0.5 * (b - a)), b))
+    return found
 
 
 def _tips(fields: PlasticFields) -> list[tuple[float, float]]:

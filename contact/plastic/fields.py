@@ -94,7 +94,8 @@ class PlasticFields(ZoneFields):
             left, right = zones.values
             passage = right[i] + (left - right)[i] * np.arccos(t) / np.pi
             value = np.where((place >= zones.a[i]) & (zones.depth[i] < 0.0), passage, value)
-        return value * self.problem.units.pressure
+        # Beside a sharp corner a plateau may be narrower than round-off, and is left out.
+        return np.minimum(value, self.limit) * self.problem.units.pressure
 
     def overlap(self, x: ArrayLike) -> Array:
         """Height [m] at x [m] that the body lost by yielding; 0 outside the plateaus.

@@ -8,6 +8,7 @@ import numpy as np
 
 from contact.errors import OutOfRange
 from contact.formulation import tables
+from contact.plastic.loop import AT_BORDER
 from contact.plastic.spots import Spots, tidied
 from contact.search.grid.conjugate_gradient import GridState
 from contact.search.grid.nested_grids import zones_of
@@ -62,9 +63,7 @@ def _wider(scaled: ScaledScene) -> ScaledScene:
     half = 0.5 * (hi - lo)
     cell = max(known[0], lo - half), min(known[1], hi + half)
     if cell == scaled.cell:
-        raise OutOfRange(
-            "a contact zone reaches the border of the part of the profile that is known"
-        )
+        raise OutOfRange(AT_BORDER)
     return replace(scaled, cell=cell)
 
 

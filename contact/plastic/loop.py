@@ -39,6 +39,7 @@ class LoopOptions:
 
 OPTIONS = LoopOptions()
 
+AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
 # The width of the elastic rim at a contact's end is proportional to exp(-pi E* s/(2 H)). Here s is
 # the profile's slope at this end, and H is the hardness.
 NARROW_RIM = (
@@ -80,6 +81,9 @@ class PlasticLoop:
                 continue
             if not free.converged:
                 return Failure(f"the zone ends did not settle: {free.reason}", free)
+            lo, hi = self.problem.borders
+            if spots.contacts[0, 0] <= lo or spots.contacts[-1, 1] >= hi:
+                return Failure(AT_BORDER, free, at_border=True)
             fields = PlasticFields(self.problem, free.state, limit=self.limit)
             found = checked(fields, self.control.load)
             if found.certificate.holds:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact.errors import NotConverged
+from contact.errors import NotConverged, OutOfRange
 from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
 from contact.model.units import counted
@@ -51,6 +51,8 @@ def found(context: SolveContext) -> SolvedZones:
             return outcome
         failure = outcome
         context.record_failure(f"contacts and plateaus of a grid of {count} points", failure)
+        if failure.at_border:
+            raise OutOfRange(failure.reason)
         if failure.reason == NARROW_RIM:
             break
         points = 4 * count

@@ -155,7 +155,9 @@ def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
         if contacts[0, 1] - contacts[0, 0] >= period:
             return tidied(Spots(contacts, plateaus, True), problem)
         contacts = tables.parted_at_wide(contacts, period)
-        plateaus = tables.in_cell(plateaus, contacts[0, 0], period)
+        # The cell begins in a gap, so that rounding moves no plateau at a contact's end out of it.
+        gap = contacts[0, 0] + period - contacts[-1, 1]
+        plateaus = tables.in_cell(plateaus, contacts[0, 0] - 0.5 * gap, period)
     out: list[tuple[float, float]] = []
     for a, b in contacts.tolist():
         inside = plateaus[(plateaus[:, 1] > a) & (plateaus[:, 0] < b)]

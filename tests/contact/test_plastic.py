@@ -1,6 +1,7 @@
 """A limit of the pressure: closed forms, a grid with bounds, balance, and what is refused."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -310,3 +311,28 @@ def test_loading_again_has_the_same_pressure():
     np.testing.assert_allclose(again.pressure(x), found.pressure(x), atol=1e-5)
     less = contact.Scene(found.worn(), 2.0, ALONE, load=0.3 * found.load)
     assert contact.solve(less, tol=1e-3).max_pressure < 0.6 * found.max_pressure
+
+
+@pytest.mark.parametrize("period", [None, 1e-4])
+def test_the_pressure_beside_a_sharp_corner_stays_at_the_limit(period):
+    """The plateau is K^2 pi^2 / (4 H^2) wide, if elastic contact had p ~ K / sqrt(distance)."""
+    way = contact.Isolated() if period is None else contact.Periodic()
+    for load in (10.0, 30.0, 100.0):
+        scene = contact.Scene(
+            contact.Flat(4e-5, period), 1e9, way, law=contact.Plastic(2.4e7), load=load
+        )
+        found = contact.solve(scene)
+        elastic = contact.solve(replace(scene, law=contact.Frictionless()))
+        distance = 1e-12
+        k = float(elastic.pressure(2e-5 - distance)) * distance**0.5
+        width = 0.25 * (np.pi * k / 2.4e7) ** 2
+        assert np.diff(found.plateaus)[:, 0] == pytest.approx([width, width], rel=5e-2)
+        assert found.pressure(2e-5 - np.geomspace(1e-14, 1e-5, 40)).max() <= 2.4e7
+
+
+def test_an_isolated_cell_under_a_limit_ends_at_its_border_from_any_start():
+    wave = contact.Sinusoid(1e-6, 1e-4)
+    scene = contact.Scene(wave, 1e9, contact.Isolated(), law=contact.Plastic(2e7), load=1e3)
+    assert contact.solve_many(scene, [1e3, 1.2e3], control="load")[-1].zones.shape == (1, 2)
+    with pytest.raises(contact.OutOfRange, match="border"):
+        contact.solve_many(scene, [1e3, 1.5e3, 2e3], control="load")

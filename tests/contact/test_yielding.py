@@ -196,3 +196,41 @@ def test_sharp_corners_at_the_hardness_yield_under_any_load():
     assert found.load == 0.0 and "any load" in found.note
     with pytest.raises(contact.SceneError, match="sharp corners"):
         punch.first_yield(1.001 * 2.4e7 / np.pi, 0.3, "tresca")
+
+
+def test_first_yield_under_a_limit_is_sought_up_to_the_largest_load_of_an_isolated_wave():
+    # The largest stress, 1.4109e7 Pa, is under 1196 N/m; no contact is found above 1490 N/m.
+    law, loads = contact.Plastic(2.4e7), []
+    for start in (10.0, 300.0, 1200.0):
+        scene = contact.Scene(WAVE, E, contact.Isolated(), law=law, load=start)
+        loads.append(contact.solve(scene).first_yield(1.41e7, 0.3).load)
+        with pytest.raises(
+            contact.OutOfRange, match=r"the largest is 1.411e\+07 Pa, under 1(19|20)"
+        ):
+            contact.solve(scene).first_yield(1.42e7, 0.3)
+    assert np.ptp(loads) < 1e-8 * loads[0]
+
+
+def test_a_wedge_under_a_limit_of_the_pressure_yields_under_any_load_or_none():
+    """It has no length of its own, so that its stresses do not depend on the load."""
+    law = contact.Plastic(3e7)
+    rule, stresses = Criterion("mises", 0.3, "as loaded"), []
+    for load in (1e-2, 1e4):
+        scene = contact.Scene(contact.Wedge(0.05), E, contact.Isolated(), law=law, load=load)
+        wedge = contact.solve(scene)
+        stresses.append(largest(wedge, rule).stress)
+        with pytest.raises(contact.OutOfRange, match=r"1.733e\+07 Pa under any load"):
+            wedge.first_yield(1.74e7, 0.3)
+        assert wedge.first_yield(1.73e7, 0.3).load == 0.0
+    assert stresses[0] == pytest.approx(stresses[1], rel=1e-9)
+
+
+@pytest.mark.parametrize("load", [1e-8, 1e-4, 3e1, 5e2])
+@pytest.mark.parametrize("period", [None, 1e-4])
+def test_the_largest_stress_of_a_flat_punch_at_its_limit_is_that_beside_the_corner(load, period):
+    way = contact.Isolated() if period is None else PERIODIC
+    law = contact.Plastic(2.4e7)
+    punch = contact.solve(contact.Scene(contact.Flat(4e-5, period), E, way, law=law, load=load))
+    found = largest(punch, Criterion("tresca", 0.3, "as loaded"))
+    assert found.stress == pytest.approx(2.4e7 / np.pi, rel=1e-7)
+    assert abs(found.x) == 2e-5
