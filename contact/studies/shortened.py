@@ -206,7 +206,7 @@ SHORT: dict[str, Callable[[Cells], Cells]] = {
     "sampling": columns("points", "time [s]", "stated error"),
     "scaling": columns("series", "zones", "nodes", "time", "time grows as"),
     "self-affine": columns("kmax", "zones", "time [s]", "peak memory [GB]", "stated error"),
-    "stated": sentence("Counts of runs: ", ", "),
+    "stated": sentence("Runs that satisfy each condition: ", ", "),
     "stability": in_turn(
         stiff_groups, columns("scenes", "outcome", "condition", "its origin", "error")
     ),

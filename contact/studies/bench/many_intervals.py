@@ -182,8 +182,8 @@ def main(sizes: list[int], out: Path | None) -> None:
         if len(sizes) > 1:
             times = [r["seconds"] for r in found]
             growths.append(float(np.polyfit(np.log(sizes), np.log(times), 1)[0]))
-    span = f"number^{min(growths):.2f} to number^{max(growths):.2f}" if growths else ""
-    remarks = [f"Processor time grows as {span}."] if growths else []
+    span = f"N^{min(growths):.2f} to N^{max(growths):.2f}" if growths else ""
+    remarks = [f"Processor time grows as {span} with the number N of intervals."] if growths else []
     publish(Table("many-intervals", "very many intervals", COLUMNS, rows), remarks, out)
 
 
