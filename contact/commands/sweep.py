@@ -191,7 +191,7 @@ def _show(table: Any, seconds: float) -> None:
 
 
 def _span(values: Any, unit: str, digits: int = 6) -> str:
-    """The least and the greatest of the values, as text in a common unit.
+    """The least and the greatest of the values, as text in a common unit; one if they are alike.
 
     If the values are texts, all are listed. The result is "" if there are no values.
     """
@@ -203,9 +203,9 @@ def _span(values: Any, unit: str, digits: int = 6) -> str:
         return ""
     ends = [float(flat.min()), float(flat.max())]
     if unit in ("", "1"):
-        return " to ".join(f"{end:.{digits}g}" for end in ends)
+        return " to ".join(dict.fromkeys(f"{end:.{digits}g}" for end in ends))
     name, cells = column(ends, unit, digits)
-    return f"{' to '.join(cells)} {name}"
+    return f"{' to '.join(dict.fromkeys(cells))} {name}"
 
 
 def _stop_where_nothing_is_solved(table: Any) -> None:

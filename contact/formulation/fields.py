@@ -176,7 +176,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         """Approach [m]; None if no point is given from which displacements are measured."""
         if not self.problem.operator.has_approach:
             return None
-        return -self.level * self.problem.units.height
+        return 0.0 - self.level * self.problem.units.height
 
     @cached_property
     def stiffness(self) -> float | None:

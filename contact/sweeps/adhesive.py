@@ -388,7 +388,9 @@ class _PathRun:
         """
         units = self.problem.units
         if point is not None:
-            approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
+            approach = (
+                0.0 - point.level * units.height if self.problem.operator.has_approach else np.nan
+            )
             width = float(np.diff(point.contact).sum()) * units.length
             self.followed.append((point.load * units.load, approach, width, self.rises))
         elif self.curve.control.yields is not None:

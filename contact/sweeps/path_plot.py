@@ -204,7 +204,7 @@ def draw_curve(
     for rising, name in ((True, "rising"), (False, "falling")):
         # A point at which the load path reverses belongs to the rising curve and to the falling
         # one.
-        mine = (rises == rising) | (np.append(rises[1:], rises[-1]) == rising)
+        mine = (rises == rising) | (np.append(rises[1:], rises[-1:]) == rising)
         for first, last in runs_of(mine & np.isfinite(points).all(axis=1)):
             curve, given = _through(points[first : last + 1])
             axes.plot(*curve.T, label=name, markevery=given, **_LINES[rising])

@@ -72,7 +72,7 @@ def event_columns(events: Sequence[Event]) -> list[Column]:
     """Columns (header, cells) of the events of a path; the first and the last are words."""
     numbers: list[tuple[str, list[float | None], str, int]] = [
         ("load", [event.load for event in events], "N/m", 10),
-        ("position", [event.position for event in events], "m", 10),
+        ("position", [event.position for event in events], "m", 7),
     ]
     if any(hasattr(event, "lost") for event in events):
         lost = [getattr(event, "lost", None) for event in events]

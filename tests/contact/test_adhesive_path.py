@@ -396,6 +396,25 @@ def test_the_figure_has_both_ways_every_jump_and_the_surfaces_at_pull_off():
         found.plot("axes")
 
 
+@pytest.mark.parametrize("law", [contact.JKR(0.05), contact.Dugdale(0.05, 1e6)], ids=["JKR", "D"])
+def test_a_path_along_which_the_surfaces_stay_apart_is_drawn_without_a_curve(law):
+    profile, interaction = SEPARATING["wave"]
+    scene = contact.Scene(profile, 1e9, interaction, law=law, load=0.0)
+    for values in ([-100.0], [-100.0, -50.0]):
+        assert contact.path(scene, values).plot().axes[0].get_xlabel() == "approach [m]"
+
+
+def test_an_approach_of_zero_has_no_sign():
+    scene = contact.Scene(
+        *SEPARATING["parabola"][:1],
+        1e9,
+        contact.Isolated(datum=1e-2),
+        approach=0.0,
+        law=contact.JKR(0.05),
+    )
+    assert str(contact.solve(scene).approach) == "0.0"
+
+
 def test_what_was_followed_lies_on_the_curve_of_equilibria():
     load, approach, width, _ = loop("wave", "spring").followed.T
     on = np.flatnonzero(width > 0.0)
