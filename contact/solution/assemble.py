@@ -290,7 +290,5 @@ def _checked(
             f"{tol:.2g}{': ' if why else ''}{why}"
         )
         fault = "" if why else profile_fault(solution.scene, solution.zones)
-        raise NotConverged(
-            f"{message}; the best state is attached{fault}", solution.trace, solution
-        )
+        raise NotConverged(f"{message}{fault}", solution.trace, solution)
     return lawful(solution)

@@ -164,7 +164,8 @@ def plan(scene: Scene) -> Plan:
     given, single = scene.held(Quantity.HALF_WIDTH) is not None, starts_from_one_zone(scene)
     kinks = len(profile.kinks) + len(profile.algebraic_points)
     why_no_search = "zones are given" if given else "one symmetric asperity"
-    only_images = f"{model.name}: nothing repeats beyond its images"
+    beyond = " beyond its images" if model.needs_period else ""
+    only_images = f"{model.name}: nothing repeats{beyond}"
     made = Plan(
         [
             _part(
