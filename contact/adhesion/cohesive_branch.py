@@ -33,7 +33,8 @@ from contact.adhesion.cohesive_flow import (
     settled,
 )
 from contact.adhesion.cohesive_pull_off import pull_off, pull_off_from_all
-from contact.adhesion.cohesive_zone import OPTIONS, CohesiveCurve, CohesiveState
+from contact.adhesion.cohesive_state import CohesiveState
+from contact.adhesion.cohesive_zone import OPTIONS, CohesiveCurve
 from contact.adhesion.curve import ACCURACY, Closed, State
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.edge_branch import (

@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from contact.adhesion.cohesive_fields import CohesiveFields, scaled_second_variation
-from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.cohesive_state import CohesiveState
+from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.inner_contact import sampled_gap
 from contact.adhesion.options import SAMPLES
 from contact.formulation.fields import ZoneFields

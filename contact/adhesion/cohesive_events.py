@@ -16,7 +16,8 @@ import numpy as np
 
 from contact.adhesion import arc_length, cohesive_flow, cohesive_pull_off
 from contact.adhesion.arc_length import Step
-from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState, PastState
+from contact.adhesion.cohesive_state import CohesiveState, PastState
+from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.curve import ACCURACY, Closed, NoState, State
 from contact.adhesion.events import Events, Jump, PathState, first_zero
 from contact.adhesion.inner_contact import ContactLost, EndsCovered

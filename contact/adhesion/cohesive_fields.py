@@ -5,7 +5,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.cohesive_state import CohesiveState
+from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.curve import State
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.separated_fields import SeparatedFields, integral_on_zones, integral_outside

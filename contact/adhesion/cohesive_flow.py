@@ -10,7 +10,8 @@ total load of contact and tension no longer presses the surfaces together.
 import numpy as np
 
 from contact.adhesion import gradient_flow, jkr_guide
-from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.cohesive_state import CohesiveState
+from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.curve import ACCURACY, Closed, NoState, State
 from contact.adhesion.grid_guide import GridGuide
 from contact.adhesion.inner_contact import ContactLost, EndsCovered

@@ -12,7 +12,9 @@ from contact.adhesion.cohesive_flow import (
     intervals_left,
     receded,
 )
-from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState, StateOutline
+from contact.adhesion.cohesive_rates import own_gap_rates
+from contact.adhesion.cohesive_state import CohesiveState, StateOutline
+from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.curve import ACCURACY, Curve, NoState, State
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.inner_contact import ContactLost, EndsCovered
@@ -192,9 +194,8 @@ def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
         at, lowest = minimum(pulled.shape, np.linspace(at - half, at + half, 65))
         ends, tension = np.concatenate((table[:, 0], table[:, 1])), pulled.pulling
         gap = pulled.shape(ends) - lowest
-        rates = curve.explicit(
-            pulled, ends, np.zeros(len(ends))
-        ) - curve.stress / np.pi * tension.log(at - ends)
+        rates = own_gap_rates(pulled, ends, np.zeros(len(ends)))
+        rates -= curve.stress / np.pi * tension.log(at - ends)
         free = (table != np.array(curve.problem.corners)).T.ravel() | (gap > curve.reach)
         step = np.zeros(len(ends))
         step[free] = np.linalg.solve(rates[np.ix_(free, free)], curve.reach - gap[free])

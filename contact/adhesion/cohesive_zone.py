@@ -12,10 +12,6 @@ the surfaces closer everywhere. Then J is positive off its diagonal and the map 
 monotone: intervals whose ends are all driven outward grow to the smallest equilibrium that contains
 them. Under approach control of a period this does not hold, since far from a tension the surfaces
 move apart.
-
-J includes the motion of the zones. Moving an end of I adds a point source at c. To first order the
-response is the density of fixed zones with singular ends. Its intensities K move the ends of the
-zones by 2 K/A, with the edge slope A of the pressure.
 """
 
 import math
@@ -24,15 +20,15 @@ from functools import cached_property
 
 import numpy as np
 
-import sie
-from contact.adhesion.curve import ACCURACY, Curve, State
+from contact.adhesion.cohesive_rates import contact_rates, own_gap_rates, yields_of
+from contact.adhesion.cohesive_state import CohesiveState, PastState
+from contact.adhesion.curve import ACCURACY, Curve, State, direct
 from contact.adhesion.deformed_profile import TractionLoaded
 from contact.adhesion.inner_contact import (
     ContactLost,
     EndsCovered,
     InnerTolerances,
     contact_under,
-    edge_slopes,
     sample_places,
     sampled_gap,
     samples_with_extremes,
@@ -46,7 +42,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.tables import outward
 from contact.formulation.tolerances import allowed_overlap
 from contact.model.profiles.noise import EPS
-from sie import Array, Mask, record
+from sie import Array, Mask
 
 
 @dataclass(frozen=True)
@@ -70,110 +66,6 @@ class CohesiveOptions:
 
 
 OPTIONS = CohesiveOptions()
-
-
-@record
-class CohesiveState(State):
-    """A state under a cohesive law: the intervals of tension and the contact inside them.
-
-    table: the intervals I (empty if the tension acts everywhere); zones: the contact (n, 2); q: the
-    fields of the contact, None without contact; by_ends, level_rates: rates of the zones' ends
-    (2n,) and of the level with respect to the ends of I and, in the last column, the value of the
-    control; seen: the sampled gap, None if it was not sampled.
-    """
-
-    zones: Array
-    q: ZoneFields | None
-    by_ends: Array
-    level_rates: Array
-    seen: tuple[Array, Array] | None
-    everywhere: bool = False
-
-    @classmethod
-    def under_all(
-        cls,
-        value: float,
-        load: float,
-        level: float,
-        zones: Array,
-        q: ZoneFields | None,
-        seen: tuple[Array, Array],
-    ) -> "CohesiveState":
-        """A state under tension on the whole period, where the tension has no ends."""
-        none, still = np.zeros(0), np.zeros((2 * len(zones), 1))
-        return cls(
-            np.zeros((0, 2)),
-            value,
-            none,
-            np.zeros((0, 0)),
-            none,
-            load,
-            level,
-            zones,
-            q,
-            still,
-            np.array([-1.0]),
-            seen,
-            True,
-        )
-
-    @cached_property
-    def gap_samples(self) -> tuple[Array, Array]:
-        """(ascending sample points outside the contact, gap at these points)."""
-        if self.seen is not None:
-            return self.seen
-        assert self.q is not None
-        return sampled_gap(self.q)
-
-    @property
-    def rate(self) -> float:
-        """Derivative of the load by the approach along the curve, for a state under fixed load."""
-        ends = np.linalg.solve(-self.rates, self.by_value)
-        return float(-1.0 / (self.level_rates[-1] + self.level_rates[:-1] @ ends))
-
-    @property
-    def contact(self) -> Array:
-        return self.zones
-
-    @property
-    def gains(self) -> Array:
-        """Factors (2n,) from rates of the residuals to second derivatives of the energy: here 1.
-        The residuals are already proportional to first derivatives of the energy by the ends.
-        """
-        return np.ones(len(self.residual))
-
-
-@record
-class PastState:
-    """Intervals of tension, control value, zones and zone rates of an earlier state.
-
-    It is kept to start the solution of other states.
-    """
-
-    table: Array
-    value: float
-    zones: Array
-    by_ends: Array
-
-
-@record
-class StateOutline(State):
-    """A state given only by its intervals, zones (n, 2), load and level (minus the approach)."""
-
-    zones: Array
-
-    @classmethod
-    def of(
-        cls, table: Array, value: float, load: float, level: float, zones: Array
-    ) -> "StateOutline":
-        none = np.zeros(0)
-        return cls(
-            table, float(value), none, np.zeros((0, 0)), none, float(load), float(level), zones
-        )
-
-    @property
-    def contact(self) -> Array:
-        return self.zones
 
 
 @dataclass(frozen=True)
@@ -309,17 +201,14 @@ class CohesiveCurve(Curve):
         tolerance: float = ACCURACY.density,
         same_rates: CohesiveState | None = None,
     ) -> CohesiveState:
-        """The state with tension on given intervals, found from a first guess of the zones."""
+        """The state with tension on given intervals, found from a first guess of the zones.
+
+        same_rates: a close state, whose rates are reused if it has as many zones.
+        """
         table = self.within(table)
-        narrow = self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf)
-        wanted, of_rates = tolerance, ACCURACY.coarse
-        if tolerance <= ACCURACY.density:
-            of_rates = ACCURACY.rough
-        if 0.0 < narrow < OPTIONS.narrow_strip:
-            tolerance, of_rates = ACCURACY.density, max(ACCURACY.rough, of_rates * narrow)
         for curve, last, tightly in self.recent:
             if (
-                tightly <= wanted
+                tightly <= tolerance
                 and curve == self
                 and last.value == value
                 and np.array_equal(last.table, table)
@@ -331,33 +220,91 @@ class CohesiveCurve(Curve):
                 "the tension reaches the border of the part of the profile that is known"
             )
         pulled = TractionLoaded.of(self.problem, self.stress, table)
-        point = (
-            self._without_contact(table, value, pulled)
-            if self._may_be_loose and len(zones) == 0
-            else None
-        )
+        point = None
+        if self._may_be_loose and len(zones) == 0:
+            point = self._without_contact(pulled, value)
         if point is None or (not self.formal and not self._is_apart(point)):
             try:
-                tolerances = (
-                    InnerTolerances(tolerance)
-                    if wanted <= ACCURACY.density
-                    else InnerTolerances.intermediate(tolerance)
-                )
-                point = self._point(
-                    table,
-                    value,
-                    *self._contact_under(pulled, value, zones, tolerances),
-                    of_rates,
-                    same_rates,
-                )
+                point = self._in_contact(pulled, value, zones, tolerance, same_rates)
             except ContactLost:
                 if not self._may_be_loose:
                     raise
-                point = self._without_contact(table, value, pulled)
-        self.recent[:] = [(self, point, wanted)]
+                point = self._without_contact(pulled, value)
+        self.recent[:] = [(self, point, tolerance)]
         self.known.append(PastState(table, value, point.zones, point.by_ends))
         del self.known[: -OPTIONS.max_known]
         return point
+
+    def _in_contact(
+        self,
+        pulled: TractionLoaded,
+        value: float,
+        zones: Array,
+        tolerance: float,
+        same_rates: CohesiveState | None,
+    ) -> CohesiveState:
+        """The state with contact under the tension of `pulled`; arguments as of `from_zones`."""
+        tolerances, of_rates = InnerTolerances.intermediate(tolerance), ACCURACY.coarse
+        if tolerance <= ACCURACY.density:
+            tolerances, of_rates = InnerTolerances(tolerance), ACCURACY.rough
+        narrow = self.strip / float(np.diff(zones, axis=1).max(initial=0.0) or np.inf)
+        if 0.0 < narrow < OPTIONS.narrow_strip:
+            tolerances = replace(tolerances, density=ACCURACY.density)
+            of_rates = max(ACCURACY.rough, of_rates * narrow)
+        fields, gap_samples = self._contact_under(pulled, value, zones, tolerances)
+        own = fields.problem
+        assert isinstance(own, TractionLoaded)
+        zones, table = fields.density.zones.table, pulled.pulling.table
+        # If an interval of tension and a zone of contact end at the same point, this end is pinned
+        # at a sharp corner. The gap there is 0, so that the residual 1 - gap / reach is 1.
+        at = table.T.ravel()
+        is_open, residual = ~np.isin(at, zones), np.ones(len(at))
+        residual[is_open] -= fields.formal_gap(at[is_open]) / self.reach
+        if same_rates is not None and len(zones) == len(same_rates.zones):
+            rates = same_rates.all_rates
+        else:
+            equation = own.equation(self.inner_control(own, value))
+            state = direct(fields.state.whole, equation, of_rates)
+            rates = contact_rates(own, state, self.control, self.reach, is_open)
+        return CohesiveState(
+            table,
+            value,
+            residual,
+            rates.residual,
+            rates.by_value,
+            fields.density.total - own.pulling.total,
+            float(fields.level),
+            zones,
+            fields,
+            rates.zones,
+            rates.level,
+            gap_samples,
+        ).at_corners(self.problem.corners)
+
+    def _without_contact(self, pulled: TractionLoaded, value: float) -> CohesiveState:
+        """The state without contact, if the control is not a load; its gap has a closed form."""
+        table, pull = pulled.pulling.table, pulled.pulling.total
+        at, count = table.T.ravel(), table.size
+        level = -value - self.yields * pull
+        gap = pulled.shape(at) + level
+        gap_samples = samples_with_extremes(
+            lambda x: pulled.shape(x) + level, sample_places(pulled, np.zeros((0, 2)))
+        )
+        rates = own_gap_rates(pulled, at, np.zeros(count)) - self.yields * self.stress
+        return CohesiveState(
+            table,
+            value,
+            1 - gap / self.reach,
+            -rates / self.reach,
+            np.full(count, 1.0 / self.reach),
+            -pull,
+            level,
+            np.zeros((0, 2)),
+            None,
+            np.zeros((0, count + 1)),
+            np.append(np.full(count, -self.yields * self.stress), -1.0),
+            gap_samples,
+        ).at_corners(self.problem.corners)
 
     @property
     def _may_be_loose(self) -> bool:
@@ -417,12 +364,8 @@ class CohesiveCurve(Curve):
 
     @property
     def yields(self) -> float:
-        """Change of the control's value per unit of load: 1, or the compliance of a spring, or 0.
-        It is 1 if the load is the control, and 0 if the approach is.
-        """
-        if self.control.load is not None:
-            return 1.0
-        return float(self.control.yields or 0.0)
+        """Change of the control's value per unit of load, see `yields_of`."""
+        return yields_of(self.control)
 
     def fields(self, here: State, tolerance: float = ACCURACY.density) -> ZoneFields:
         """The fields of a state, at the accuracy with which the state was solved."""
@@ -497,168 +440,3 @@ class CohesiveCurve(Curve):
             same_rates = here if tight and size < ACCURACY.rough else None
             here = self.at(here.moved(here.newton), here.value, same_rates=same_rates)
         return self.at(here.table, here.value)
-
-    def _point(
-        self,
-        table: Array,
-        value: float,
-        fields: ZoneFields,
-        gap_samples: tuple[Array, Array] | None,
-        of_rates: float,
-        same_rates: CohesiveState | None,
-    ) -> CohesiveState:
-        """The state that has the given fields, with its residuals and rates.
-
-        same_rates: a close state, whose rates are reused if it has as many zones.
-        """
-        pulled, state = fields.problem, fields.state.whole
-        assert isinstance(pulled, TractionLoaded)
-        zones, load, level = (
-            fields.density.zones.table,
-            fields.density.total - pulled.pulling.total,
-            float(fields.level),
-        )
-        # If an interval of tension and a zone of contact end at the same point, this end is pinned
-        # at a sharp corner. The gap there is 0, so that the residual 1 - gap / reach is 1.
-        at = table.T.ravel()
-        is_open, residual = ~np.isin(at, zones), np.ones(len(at))
-        residual[is_open] -= fields.formal_gap(at[is_open]) / self.reach
-        if same_rates is not None and len(zones) == len(same_rates.zones):
-            whole = same_rates.whole
-            return self._at_corners(
-                CohesiveState(
-                    table,
-                    value,
-                    residual,
-                    whole.rates,
-                    whole.by_value,
-                    load,
-                    level,
-                    zones,
-                    fields,
-                    same_rates.by_ends,
-                    same_rates.level_rates,
-                    gap_samples,
-                )
-            )
-        if state.iteration is not None:
-            # The rates of the residuals need one linear solution for each end, so a matrix is
-            # factored instead of iterating.
-            state = sie.solve_fixed(
-                pulled.equation(self.inner_control(pulled, value)),
-                state.density.zones,
-                of_rates,
-                direct=True,
-            )
-        density, count = state.density, len(table)
-        free, open_ = at[is_open], np.flatnonzero(is_open)
-        strengths = np.hstack((self.stress * np.eye(len(free)), np.zeros((len(free), 1))))
-        values = np.zeros((len(state.condition_scale), len(free) + 1))
-        first = state.condition_index[0]
-        if self.control.load is not None:
-            values[first, :-1], values[first, -1] = self.stress, 1.0
-        else:
-            # Under a fixed approach, the right side of each zone's side condition is minus the
-            # value of `inner_control`. `values` holds the derivatives of this right side by the
-            # free ends and by `value`.
-            values[first : first + len(density.zones)] = np.append(
-                np.full(len(free), -self.yields * self.stress), -1.0
-            )
-        answers = sie.answers(state, free, strengths, values, free)
-        of_level = (
-            np.append(np.zeros(len(free)), -1.0)
-            if self.control.approach is not None
-            else answers.levels.mean(axis=0)
-        )
-        change = of_level - answers.potentials
-        transform = np.zeros(2 * count)
-        transform[is_open] = density.transform(free)
-        matrix, by_value = np.zeros((2 * count, 2 * count)), np.zeros(2 * count)
-        matrix[np.ix_(open_, open_)], by_value[is_open] = change[:, :-1], change[:, -1]
-        by_all = np.append(open_, 2 * count)
-        levels, moved = np.zeros(2 * count + 1), np.zeros((2 * len(density.zones), 2 * count + 1))
-        levels[by_all] = of_level
-        with np.errstate(divide="ignore"):
-            moves = 2 * answers.intensities / edge_slopes(pulled, state)[:, :, None]
-        moves[(zones == np.array(pulled.corners)).T] = 0.0
-        moved[:, by_all] = moves.reshape(-1, len(by_all))
-        rates = -(matrix + self.explicit(pulled, at, transform)) / self.reach
-        rates[~is_open], rates[:, ~is_open] = 0.0, 0.0
-        by_value = -by_value / self.reach
-        return self._at_corners(
-            CohesiveState(
-                table,
-                value,
-                residual,
-                rates,
-                by_value,
-                load,
-                level,
-                zones,
-                fields,
-                moved,
-                levels,
-                gap_samples,
-            )
-        )
-
-    def _at_corners(self, here: CohesiveState) -> CohesiveState:
-        """The state with its ends at sharp corners pinned, except for ends that tend to recede."""
-        corners = np.array(self.problem.corners)
-        if not np.isfinite(corners).all():
-            return here
-        return here.with_pinned(
-            (here.table == corners).T.ravel() & (here.residual >= -ACCURACY.rough)
-        )
-
-    def _without_contact(self, table: Array, value: float, pulled: TractionLoaded) -> CohesiveState:
-        """The state without contact, if the control is not a load; its gap has a closed form."""
-        count, pull = len(table), pulled.pulling.total
-        at = np.concatenate((table[:, 0], table[:, 1]))
-        level = -value - self.yields * pull
-        gap = pulled.shape(at) + level
-        gap_samples = samples_with_extremes(
-            lambda x: pulled.shape(x) + level, sample_places(pulled, np.zeros((0, 2)))
-        )
-        rates = self.explicit(pulled, at, np.zeros(2 * count)) - self.yields * self.stress
-        none, by_ends = np.zeros((0, 2)), np.zeros((0, 2 * count + 1))
-        of_level = np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
-        return self._at_corners(
-            CohesiveState(
-                table,
-                value,
-                1 - gap / self.reach,
-                -rates / self.reach,
-                np.full(2 * count, 1.0 / self.reach),
-                -pull,
-                level,
-                none,
-                None,
-                by_ends,
-                of_level,
-                gap_samples,
-            )
-        )
-
-    def explicit(self, pulled: TractionLoaded, at: Array, transform: Array) -> Array:
-        """Derivatives of the gap at the tension's ends by outward displacements of these ends.
-        The contact pressure q is held fixed.
-
-        transform: the kernel's transform of the contact pressure q at the ends.
-        """
-        tension, count = pulled.pulling, len(at) // 2
-        lag = at[:, None] - at
-        np.fill_diagonal(lag, 1.0)
-        between = self.stress / np.pi * tension.log(lag)
-        # Only the other ends contribute to the slope of the gap at an end. The singular
-        # contributions of the end itself and of its motion cancel.
-        slopes = (
-            self.stress
-            / np.pi
-            * tension.logs(at)
-            * np.concatenate((np.ones(count), -np.ones(count)))
-        )
-        np.fill_diagonal(slopes, 0.0)
-        away = np.concatenate((-np.ones(count), np.ones(count)))
-        np.fill_diagonal(between, away * (pulled.own_slope(at) - transform + slopes.sum(axis=1)))
-        return between

@@ -125,6 +125,13 @@ class State:
             corners=corners,
         )
 
+    def at_corners(self, corners: tuple[float, float]) -> Self:
+        """This state with all ends at sharp corners pinned that are not driven inward."""
+        if not np.isfinite(corners).all():
+            return self
+        at = (self.table == np.array(corners)).T.ravel()
+        return self.with_pinned(at & (self.residual >= -ACCURACY.rough))
+
     @property
     def contact(self) -> Array:
         """The zones of contact (n, 2)."""
@@ -239,6 +246,15 @@ class State:
         return self.table + np.column_stack((-left, right))
 
 
+def direct(state: sie.State, equation: sie.Equation, tolerance: float) -> sie.State:
+    """The state, solved again by a factored matrix if it was found by iteration.
+    The matrix then serves the rates, which need one linear solution for each end.
+    """
+    if state.iteration is None:
+        return state
+    return sie.solve_fixed(equation, state.density.zones, tolerance, direct=True)
+
+
 @dataclass(frozen=True)
 class Curve:
     """All states of a problem under one kind of control, such as a load, at any of its values.
@@ -270,49 +286,39 @@ class Curve:
                 "a contact zone reaches the border of the part of the profile that is known"
             )
         zones = sie.Zones.of(table, problem.end, problem.end)
-        equation = problem.equation(control)
-        solved = sie.solve_zones(equation, zones, tolerance)
-        state = solved.whole
-        follows, wanted = state, problem.end.intensity
-        if state.iteration is not None:
-            # The rates (derivatives of edge intensities by the ends) need one linear solution for
-            # each end. A direct method factors one matrix for all these solutions. A lower accuracy
-            # than that of `state` suffices for rates.
-            follows = sie.solve_fixed(
-                equation,
-                state.density.zones,
-                ACCURACY.rough if tolerance <= ACCURACY.density else ACCURACY.coarse,
-                direct=True,
-            )
-        rates = sie.end_rates(follows)
+        equation, wanted = problem.equation(control), problem.end.intensity
         assert wanted is not None
-        size = abs(wanted)
-        values = np.zeros(len(follows.condition_scale))
-        first = follows.condition_index[0]
-        # `values` is the derivative of the side conditions' right side by the control. A load
-        # changes one row, that of the total load. An approach changes, with a minus sign, the row
-        # of every zone.
-        by_load = control.load is not None
-        values[first : first + (1 if by_load else len(table))] = 1.0 if by_load else -1.0
-        unit = np.concatenate(follows.response(values).intensities)
-        residual = (np.concatenate(state.density.intensities) - wanted) / size
-        level = -value if control.approach is not None else float(state.levels.mean())
+        solved, size = sie.solve_zones(equation, zones, tolerance), abs(wanted)
+        state = solved.whole
+        # A lower accuracy than that of `state` suffices for rates.
+        of_rates = ACCURACY.rough if tolerance <= ACCURACY.density else ACCURACY.coarse
+        rates, by_value = self._intensity_rates(direct(state, equation, of_rates))
         here = State(
             table,
             value,
-            residual,
-            rates.intensities / size,
-            unit / size,
+            (np.concatenate(state.density.intensities) - wanted) / size,
+            rates / size,
+            by_value / size,
             state.density.total,
-            level,
+            -value if control.approach is not None else float(state.levels.mean()),
             solved=(solved, tolerance),
         )
-        corners = problem.corners
-        if not np.isfinite(corners).all():
-            return here
-        if pinned is None:
-            pinned = (table == np.array(corners)).T.ravel() & (residual >= -ACCURACY.rough)
+        if pinned is None or not np.isfinite(problem.corners).all():
+            return here.at_corners(problem.corners)
         return here.with_pinned(pinned)
+
+    def _intensity_rates(self, state: sie.State) -> tuple[Array, Array]:
+        """(derivatives (2n, 2n) of the edge intensities by the ends, (2n,) by the control)."""
+        values = np.zeros(len(state.condition_scale))
+        first = state.condition_index[0]
+        # `values` is the derivative of the side conditions' right side by the control. A load
+        # changes one row, that of the total load. An approach changes, with a minus sign, the row
+        # of every zone.
+        by_load = self.control.load is not None
+        rows = 1 if by_load else len(state.density.zones)
+        values[first : first + rows] = 1.0 if by_load else -1.0
+        by_value = np.concatenate(state.response(values).intensities)
+        return sie.end_rates(state).intensities, by_value
 
     def under(self, control: Control) -> "Curve":
         """The curve of the same problem under another control."""

@@ -14,7 +14,8 @@ import numpy as np
 
 from contact.adhesion import gradient_flow
 from contact.adhesion import pull_off as apart
-from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.cohesive_state import CohesiveState
+from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.curve import ACCURACY, Closed, Curve, NoState, State
 from contact.adhesion.energy_descent import relaxed
 from contact.adhesion.inner_contact import ContactLost

@@ -9,7 +9,8 @@ from functools import partial
 
 import numpy as np
 
-from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.cohesive_state import CohesiveState
+from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.curve import ACCURACY, Curve, State
 from contact.adhesion.gradient_flow import advanced
 from contact.adhesion.options import LIMITS, MOVES, SAMPLES

@@ -10,7 +10,8 @@ import numpy as np
 from contact.adhesion import cohesive_branch
 from contact.adhesion.cohesive_events import CohesiveEvents
 from contact.adhesion.cohesive_fields import fields_of
-from contact.adhesion.cohesive_zone import CohesiveCurve, CohesiveState
+from contact.adhesion.cohesive_state import CohesiveState
+from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.curve import ACCURACY, Closed, Curve, State
 from contact.adhesion.edge_branch import advancing, branch_scaling, curve_of
 from contact.adhesion.events import Events, Jump, PathState

@@ -9,7 +9,8 @@ import numpy as np
 from contact.adhesion import cohesive_pull_off
 from contact.adhesion.arc_length import SymmetryLost
 from contact.adhesion.cohesive_fields import CohesiveFields
-from contact.adhesion.cohesive_zone import CohesiveCurve, StateOutline
+from contact.adhesion.cohesive_state import StateOutline
+from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.curve import ACCURACY, Curve, State
 from contact.adhesion.energy_descent import relaxed
 from contact.adhesion.gradient_flow import receded

@@ -6,7 +6,7 @@ Only scenes with a cohesive law import this module.
 import numpy as np
 
 from contact.adhesion.cohesive_fields import scaled_second_variation
-from contact.adhesion.cohesive_zone import CohesiveState
+from contact.adhesion.cohesive_state import CohesiveState
 from contact.adhesion.separated_fields import SeparatedFields
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.scene import Scene

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.adhesion.cohesive_zone import CohesiveState
+from contact.adhesion.cohesive_state import CohesiveState
 from contact.adhesion.curve import State
 from contact.adhesion.edge_branch import closed
 from contact.adhesion.events import Jump, PathState
