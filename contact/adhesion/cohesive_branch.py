@@ -21,7 +21,13 @@ from dataclasses import replace
 import numpy as np
 
 import sie
-from contact.adhesion.cohesive_certificate import SolvedCohesive, certified, end_error, rounded_load
+from contact.adhesion.cohesive_certificate import (
+    SolvedCohesive,
+    certified,
+    certified_everywhere,
+    end_error,
+    rounded_load,
+)
 from contact.adhesion.cohesive_fields import CohesiveFields, CohesiveGapFields
 from contact.adhesion.cohesive_flow import (
     TOO_NARROW,
@@ -539,7 +545,7 @@ def everywhere(context: SolveContext, problem: Problem) -> Outcome:
     return SolvedCohesive(
         free,
         fields,
-        certified(certificate, curve, None, fields),
+        certified_everywhere(certificate, curve, fields),
         1,
         control,
         context.tolerance,

@@ -47,86 +47,83 @@ class SolvedCohesive(SolvedZones):
         )
 
 
-def certified(
-    plain: Certificate,
-    curve: CohesiveCurve,
-    here: CohesiveState | None,
-    fields: CohesiveFields | None = None,
+def certified_everywhere(
+    plain: Certificate, curve: CohesiveCurve, fields: CohesiveFields
 ) -> Certificate:
-    """The certificate `plain`, with checks of the gap at the tension's ends and of stability.
+    """The certificate of a contact whose tension acts on the whole period.
 
-    plain: certificate of the contact without tension. here: the state; None if the tension acts
-    everywhere. fields: needed only if `here` is None.
+    plain: certificate of the frictionless contact without the tension.
     """
-    stress = curve.stress * curve.problem.units.pressure
-    least = plain.smallest_pressure - stress
-    holds, name = plain.holds, curve.control.name
-    if here is None:
-        assert fields is not None
-        _, gap = sampled_gap(fields)
-        inside = bool(np.all(gap < curve.reach * (1 + TOLERANCES.edge_condition)))
-        note = (
-            "the gap is below the reach of the tension everywhere: the frictionless contact, less "
-            "the tension, and as stable"
-        )
-        return replace(
-            plain,
-            smallest_pressure=least,
-            holds=holds and inside,
-            note=note if inside else "the gap is above the reach",
-        )
-    (x, gap), table, period = here.gap_samples, here.table, curve.problem.round
-    place = wrapped(x, table[0, 0], period)
-    i, within = located(table, place)
-    next_one = gaps_between(table, period)[:, 1]
-    away = np.minimum(
-        np.minimum(np.abs(place - table[i, 0]), np.abs(place - table[i, 1])),
-        np.abs(next_one[i] - place),
+    inside = bool(np.all(sampled_gap(fields)[1] < curve.reach * (1 + TOLERANCES.edge_condition)))
+    note = (
+        "the gap is below the reach of the tension everywhere: the frictionless contact, less the "
+        "tension, and as stable"
     )
-    clear_of_ends = away > TOLERANCES.reach_distance * (table[i, 1] - table[i, 0])
-    assert here.q is not None
-    rounding = here.q.gap_rounding
-    wrong_side = clear_of_ends & np.where(
-        within, gap > curve.reach + rounding, gap < curve.reach - rounding
-    )
-    reach_error = max(float(np.abs(here.residual).max()), float(-here.whole.residual.min()))
-    stability = least_eigenvalue(scaled_second_variation(here))
-    if not holds:
-        note = plain.note or "a sign or the balance fails"
-    elif (
-        reach_error > TOLERANCES.edge_condition + TOLERANCES.reach_multiple * rounding / curve.reach
-    ):
-        holds, note = (
-            False,
-            f"at an end of the tension the gap misses its reach by {reach_error:.1e}",
-        )
-    elif wrong_side.any():
-        at = float(curve.problem.units.x(place[wrong_side])[0])
-        holds, note = (
-            False,
-            "the gap is on the wrong side of the reach of the tension at "
-            f"x = {quantity(at, 'm', 6)}",
-        )
-    elif not stability > 0.0:
-        holds, note = (
-            False,
-            f"not stable under a held {name}: the second variation of the energy is not positive",
-        )
-    else:
-        note = (
-            "one of several equilibria: pressure above minus the tension in contact, no overlap, "
-            "balance, the gap below the reach where "
-            "the tension acts, above it elsewhere and equal to it at its ends, locally stable "
-            f"under a held {name}"
-        )
     return replace(
         plain,
-        smallest_pressure=least,
-        holds=bool(holds),
-        note=note,
+        smallest_pressure=_least_pressure(plain, curve),
+        holds=plain.holds and inside,
+        note=note if inside else "the gap is above the reach",
+    )
+
+
+def certified(plain: Certificate, curve: CohesiveCurve, here: CohesiveState) -> Certificate:
+    """The certificate `plain`, with checks of the gap at the tension's ends and of stability.
+
+    plain: certificate of the frictionless contact without the tension.
+    """
+    assert here.q is not None
+    rounding, name = here.q.gap_rounding, curve.control.name
+    reach_error = max(float(np.abs(here.residual).max()), float(-here.whole.residual.min()))
+    largest = TOLERANCES.edge_condition + TOLERANCES.reach_multiple * rounding / curve.reach
+    stability = least_eigenvalue(scaled_second_variation(here))
+    failure = _on_wrong_side(curve, here, rounding)
+    if not plain.holds:
+        failure = plain.note or "a sign or the balance fails"
+    elif reach_error > largest:
+        failure = f"at an end of the tension the gap misses its reach by {reach_error:.1e}"
+    elif not failure and not stability > 0.0:
+        failure = (
+            f"not stable under a held {name}: the second variation of the energy is not positive"
+        )
+    note = (
+        "one of several equilibria: pressure above minus the tension in contact, no overlap, "
+        "balance, the gap below the reach where "
+        "the tension acts, above it elsewhere and equal to it at its ends, locally stable "
+        f"under a held {name}"
+    )
+    return replace(
+        plain,
+        smallest_pressure=_least_pressure(plain, curve),
+        holds=not failure,
+        note=failure or note,
         intensity=reach_error,
         stability=stability,
     )
+
+
+def _least_pressure(plain: Certificate, curve: CohesiveCurve) -> float:
+    return plain.smallest_pressure - curve.stress * curve.problem.units.pressure
+
+
+def _on_wrong_side(curve: CohesiveCurve, here: CohesiveState, rounding: float) -> str:
+    """Where the gap is above the reach under tension, or below it elsewhere; empty if nowhere.
+    Places next to the ends of the tension do not count. rounding: round-off of the gap.
+    """
+    (x, gap), table, period = here.gap_samples, here.table, curve.problem.round
+    place = wrapped(x, table[0, 0], period)
+    i, within = located(table, place)
+    ends = np.array([table[i, 0], table[i, 1], gaps_between(table, period)[i, 1]])
+    clear_of_ends = np.abs(place - ends).min(axis=0) > TOLERANCES.reach_distance * (
+        table[i, 1] - table[i, 0]
+    )
+    wrong_side = clear_of_ends & np.where(
+        within, gap > curve.reach + rounding, gap < curve.reach - rounding
+    )
+    if not wrong_side.any():
+        return ""
+    at = quantity(float(curve.problem.units.x(place[wrong_side])[0]), "m", 6)
+    return f"the gap is on the wrong side of the reach of the tension at x = {at}"
 
 
 def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> float:

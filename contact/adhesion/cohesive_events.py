@@ -14,11 +14,13 @@ from functools import partial
 
 import numpy as np
 
-from contact.adhesion import arc_length, cohesive_flow, cohesive_pull_off
-from contact.adhesion.arc_length import Step
+from contact.adhesion import cohesive_flow, cohesive_pull_off
+from contact.adhesion.arc_step import Step
 from contact.adhesion.cohesive_state import CohesiveState, PastState
 from contact.adhesion.cohesive_zone import CohesiveCurve
+from contact.adhesion.corrector import along
 from contact.adhesion.curve import ACCURACY, Closed, NoState, State
+from contact.adhesion.curve_point import ARC_OPTIONS, onward
 from contact.adhesion.events import Events, Jump, PathState, first_zero
 from contact.adhesion.inner_contact import ContactLost, EndsCovered
 from contact.adhesion.intervals import interval_of, joined
@@ -296,17 +298,17 @@ class CohesiveEvents(Events):
             return here
 
         def states_from(here: CohesiveState, ahead: bool, reach: float) -> Iterator[At]:
-            place = arc_length.onward(self.curve, step.start, here)
+            place = onward(self.curve, step.start, here)
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
             # `formally` follows the curve with as many zones of contact as `here`, the state at one
             # end of the step. The number of zones may change just beyond the other end of the step.
             # So three ranges of increasing length are tried.
-            for past in (0.0, MOVES.small_part, arc_length.ARC_OPTIONS.longest_step):
+            for past in (0.0, MOVES.small_part, ARC_OPTIONS.longest_step):
 
                 def formally(u: float, part: float = 1.0 + past) -> CohesiveState:
-                    found = here if u == 0.0 else arc_length.along(formal, place, u * part * reach)
+                    found = here if u == 0.0 else along(formal, place, u * part * reach)
                     if not isinstance(found, CohesiveState):
                         raise NotConverged(
                             "a change of the zones on the way along a curve was not located"

@@ -1,9 +1,9 @@
 """Rates of a state under a cohesive law: derivatives by the ends of the intervals of tension.
 
-The residual of an end c is r = 1 - gap(c)/h. Its derivatives include the motion of the zones. Moving
-an end of the tension adds a point source at c. To first order the response is the density of fixed
-zones with singular ends. Its intensities K move the ends of the zones by 2 K/A, with the edge slope
-A of the pressure.
+The residual of an end c is r = 1 - gap(c)/h. Its derivatives include the motion of the zones.
+Moving an end of the tension adds a point source at c. To first order the response is the density of
+fixed zones with singular ends. Its intensities K move the ends of the zones by 2 K/A, with the edge
+slope A of the pressure.
 """
 
 from typing import NamedTuple

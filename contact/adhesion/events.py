@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.adhesion.arc_length import Step
+from contact.adhesion.arc_step import Step
 from contact.adhesion.curve import ACCURACY, Closed, Curve, State
 from contact.adhesion.energy_descent import relaxed
 from contact.adhesion.gradient_flow import receded

@@ -19,7 +19,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contact.adhesion.arc_length import Step, SymmetryLost, beyond, let_go, pushed_off, steps
+from contact.adhesion.arc_length import SymmetryLost, beyond, pushed_off, steps
+from contact.adhesion.arc_step import Step, let_go
 from contact.adhesion.curve import ACCURACY, State
 from contact.adhesion.events import Events, Jump, PathState
 from contact.adhesion.options import LIMITS

@@ -7,7 +7,8 @@ followed from an equilibrium near it.
 from collections.abc import Callable
 from contextlib import suppress
 
-from contact.adhesion.arc_length import Step, beyond, let_go, steps
+from contact.adhesion.arc_length import beyond, steps
+from contact.adhesion.arc_step import Step, let_go
 from contact.adhesion.curve import ACCURACY, Closed, Curve, NoState, State
 from contact.adhesion.gradient_flow import receded
 from contact.adhesion.options import LIMITS, MOVES

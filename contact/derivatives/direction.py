@@ -174,11 +174,11 @@ class Direction(Profile):
 
     @cached_property
     def kinks(self) -> Array:
-        return self._rows(lambda part: part.kinks, (), 1)
+        return self._rows(lambda part: part.kinks, 1)
 
     @cached_property
     def jumps(self) -> Array:
-        return self._rows(lambda part: part.jumps, (1,), 2)
+        return self._rows(lambda part: part.jumps, 2)
 
     @cached_property
     def algebraic_points(self) -> Array:
@@ -191,9 +191,9 @@ class Direction(Profile):
         _same_places(self.like, [table[:, 0] for table in tables])
         return np.concatenate([np.empty((0, 4)), *tables])
 
-    def _rows(self, of: Callable[[Profile], Array], same: tuple[int, ...], value: int) -> Array:
-        """Table with the place and the jump of each kink (or jump) of the change.
-        The jumps are summed over the parts; `same` are the columns that all parts share.
+    def _rows(self, of: Callable[[Profile], Array], value: int) -> Array:
+        """Table of the kinks (or jumps) of the change; column 0 has their places.
+        Column `value` has their jumps, summed over the parts. The parts share all other columns.
         """
         tables = [np.array(of(part), dtype=float) for part in self.parts]
         width = value + 1

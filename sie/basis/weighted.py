@@ -443,13 +443,6 @@ class JacobiFunctions(Kept):
         """
         return _from_u(self.kappa, count)
 
-    def to_u(self, count: int) -> Array:
-        """Matrix B that converts the right side's Jacobi coefficients to Chebyshev ones.
-        D_j = sum_i B[i, j] U_i, with the Jacobi polynomials D_j of `images` and Chebyshev
-        polynomials U_i of the second kind. B is the inverse of `from_u`.
-        """
-        return _to_u(self.kappa, count)
-
     def moments(self, count: int, length: int) -> Array:
         """Chebyshev moments (length, count) that give the field of each w p_n off the interval.
         w is the weight, p_n a Jacobi polynomial, and n < `count`.
@@ -504,21 +497,6 @@ def _from_u(kappa: float, count: int) -> Array:
         rows[j] = 2 * _times_t(a, b, rows[j - 1])
         if j > 1:
             rows[j] -= rows[j - 2]
-    rows.flags.writeable = False
-    return rows.T
-
-
-@lru_cache(maxsize=64, typed=True)
-def _to_u(kappa: float, count: int) -> Array:
-    weighted = JacobiFunctions(kappa)
-    a, b = weighted.images.recurrence(count)
-    rows, half = np.zeros((count, count)), np.full(count, 0.5)
-    rows[0, 0] = 0.5 / math.sqrt(weighted.alpha * weighted.rest)
-    for j in range(1, count):
-        rows[j] = _times_t(0 * a, half, rows[j - 1]) - a[j - 1] * rows[j - 1]
-        if j > 1:
-            rows[j] -= b[j - 1] * rows[j - 2]
-        rows[j] /= b[j]
     rows.flags.writeable = False
     return rows.T
 
