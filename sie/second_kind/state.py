@@ -13,7 +13,7 @@ from sie.dense.lu import Factored
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.second_kind.density import SecondKindDensity
 from sie.second_kind.system import SecondKindRows, targets_at
-from sie.states.base import Answered
+from sie.states.base import Resolved
 from sie.states.options import LOOKS, THETA
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.sizes import Sizes
@@ -45,7 +45,7 @@ OPTIONS = SecondKindOptions()
 
 
 @dataclass(frozen=True, eq=False)
-class SecondKindState(Answered):
+class SecondKindState(Resolved):
     """The solution of an equation with kappa on given zones, and data for its error estimate.
 
     Attributes
@@ -80,11 +80,6 @@ class SecondKindState(Answered):
     sizes: Sizes
 
     @property
-    def whole(self) -> Any:
-        """The solution in which no gap is treated as a slit: this object itself."""
-        return self
-
-    @property
     def iteration(self) -> None:
         """None, because the unknowns are not computed by an iterative solver."""
         return None
@@ -103,12 +98,6 @@ class SecondKindState(Answered):
     def truncation(self) -> Array:
         """Relative size of the last coefficients of each zone (Z,); the same as `tails`."""
         return self.tails
-
-    def wide_of(self, zones: Index) -> tuple[Self, Index]:
-        """(solution in which no gap is treated as a slit, indices of the given zones in it).
-        A slit is a narrow gap inside a wide zone; here there is none.
-        """
-        return self, zones
 
     def response(self, values: Array, tolerance: float = 0.0) -> SecondKindDensity:
         """The density caused by given changes of the side conditions' values."""
@@ -200,11 +189,6 @@ class SecondKindState(Answered):
     def zone_sizes(self) -> Array:
         """The largest coefficient of the density on each zone (Z,)."""
         return self._sizes_from(0)
-
-    @property
-    def size(self) -> float:
-        """The largest coefficient of the density on all zones."""
-        return float(self.zone_sizes.max())
 
     @cached_property
     def tails(self) -> Array:
@@ -346,16 +330,6 @@ class SecondKindState(Answered):
         """Round-off of positions x on each zone (Z,), divided by the half width of the zone."""
         rounding = modes.place_rounding(self.density.zones, np.arange(len(self.density.zones)))
         return np.asarray(rounding)
-
-    @cached_property
-    def density_error(self) -> float:
-        """Estimated error of the density on these zones, relative to its `size`."""
-        return float(self._errors_over(np.full(len(self.zone_sizes), self.size)).max())
-
-    @cached_property
-    def zone_errors(self) -> Array:
-        """Estimated error of the density on each zone (Z,), relative to its largest coefficient."""
-        return self._errors_over(self.zone_sizes)
 
     def reason(self, tol: float) -> str:
         """The largest part of the stated error, in words."""

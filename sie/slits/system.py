@@ -471,11 +471,6 @@ class SlitState(Answered):
         return np.asarray(value.reshape(theta.shape) * np.sin(theta))
 
     @cached_property
-    def density_error(self) -> float:
-        """Estimated error of the density, relative to its largest coefficient (`size`)."""
-        return float(self._errors_over(np.full(len(self.density.zones), self.size)).max())
-
-    @cached_property
     def zone_errors(self) -> Array:
         """Estimated error of the density on each given zone, relative to its largest value there.
 

@@ -39,7 +39,10 @@ class Answered(Kept):
         @property
         def density(self) -> Any: ...
         @property
-        def whole(self) -> Solved: ...
+        def whole(self) -> Any: ...
+        @property
+        def zone_sizes(self) -> Array: ...
+        def _errors_over(self, sizes: Array) -> Array: ...
 
     def with_bounded_ends(self) -> Self:
         """The same solution, but its density has no terms in 1/sqrt(distance) at free ends."""
@@ -72,6 +75,21 @@ class Answered(Kept):
         out[self.condition_index[condition]] = change
         return out
 
+    @cached_property
+    def size(self) -> float:
+        """Largest coefficient of the density on all zones; `density_error` is relative to it."""
+        return float(self.zone_sizes.max())
+
+    @cached_property
+    def density_error(self) -> float:
+        """Estimated error of the density, the largest of all zones, relative to `size`."""
+        return float(self._errors_over(np.full(len(self.density.zones), self.size)).max())
+
+    @cached_property
+    def zone_errors(self) -> Array:
+        """Estimated error of the density on each zone (Z,), relative to its largest coefficient."""
+        return self._errors_over(self.zone_sizes)
+
     def reason(self, tol: float) -> str:
         """The reason, as a message, why the stated error is not below `tol`."""
         return reason_of(self, tol)
@@ -96,8 +114,23 @@ class Answered(Kept):
         return most_modes and self.whole.field_tail > modes.OPTIONS.nearly_decayed
 
 
+class Resolved(Answered):
+    """Base class of solutions in which every gap is resolved: none is treated as a slit."""
+
+    @property
+    def whole(self) -> Any:
+        """The solution in which every gap is resolved: this object itself."""
+        return self
+
+    def wide_of(self, zones: Index) -> tuple[Any, Index]:
+        """(solution in which every gap is resolved, indices of the given zones in it).
+        The solution is this object itself.
+        """
+        return self, zones
+
+
 @dataclass(frozen=True, eq=False)
-class Solved(Answered):
+class Solved(Resolved):
     """Base class of `State`: a solution's data, and its responses to changed side conditions."""
 
     density: Density

@@ -57,42 +57,12 @@ class State(Solved):
     (2.0, True)
     """
 
-    @property
-    def whole(self) -> "State":
-        """The solution in which every gap is resolved: this object itself.
-        Other classes treat narrow gaps inside wide zones as slits, which are not resolved.
-        """
-        return self
-
-    def wide_of(self, zones: Index) -> "tuple[State, Index]":
-        """Solution in which every gap is resolved, and the indices of the given zones in it.
-        Other classes treat narrow gaps inside wide zones as slits, which are not resolved.
-
-        In this class no gap is treated as a slit, so the solution is this object itself.
-        """
-        return self, zones
-
     @cached_property
     def intensity_noise(self) -> Array:
         """Round-off of the intensity K at the left and right ends (2, Z).
         K is the coefficient of 1 / sqrt(distance) in the density close to an end.
         """
         return intensity_rounding(self)
-
-    @cached_property
-    def size(self) -> float:
-        """Largest coefficient of the density on all zones; `density_error` is relative to it."""
-        return float(self.zone_sizes.max())
-
-    @cached_property
-    def density_error(self) -> float:
-        """Estimated error of the density, the largest of all zones, relative to `size`."""
-        return float(self._errors_over(np.full(len(self.zone_sizes), self.size)).max())
-
-    @cached_property
-    def zone_errors(self) -> Array:
-        """Estimated error of the density on each zone (Z,), relative to its largest coefficient."""
-        return self._errors_over(self.zone_sizes)
 
     def _errors_over(self, sizes: Array) -> Array:
         """Error of the density on each zone (Z,), divided by `sizes`; 0 where the size is 0.
