@@ -142,39 +142,10 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     the zones whose gap on the right was a slit in a previous solution on similar zones. For such a
     gap the limit of the width is larger (hysteresis).
     """
-    kernel = equation.kernel
-    # The right side, or a column (a term of unknown amplitude), may be singular between zones. Then
-    # no gap becomes a slit, because the wide zone around it would contain the singular point.
-    general = len(equation.forcing.jumps.singular_at) > 0 or any(
-        column.resolution.modes is None and not column.resolution.smooth_between
-        for column in equation.columns
-    )
-    if (
-        len(pieces) < 2
-        or general
-        or not _one_level(equation.conditions)
-        or not _zero_intensities(pieces)
-        or pieces.have_values
-    ):
+    if len(pieces) < 2 or not _allows_slits(equation, pieces):
         return None
-    after = gaps(pieces, kernel)[1]
-    width = pieces.b - pieces.a
-    following = np.roll(width, -1)
-    # A narrow gap becomes a slit only where this needs fewer modes. A slit needs more modes the
-    # wider it is relative to the adjacent zones. Without slits, a zone needs more modes the wider
-    # it is relative to the gap next to it.
-    most = OPTIONS.max_gap * (
-        1.0
-        if before is None or len(before) != len(pieces)
-        else np.where(before, OPTIONS.hysteresis, 1 / OPTIONS.hysteresis)
-    )
-    narrow = (after < most * np.maximum(width, following)) & (after**2 < width * following)
-    narrow &= pieces.moves[1] & np.roll(pieces.moves[0], -1)
-    if kernel.period is None or pieces.symmetric:
-        narrow[-1] = False
-    narrow &= ~_jumps_inside(equation, pieces, after) | (
-        after < OPTIONS.max_gap_with_jumps * np.minimum(width, following)
-    )
+    after = gaps(pieces, equation.kernel)[1]
+    narrow = _narrow(equation, pieces, after, before)
     if not narrow.any():
         return None
     needs_half(pieces.weight, "narrow gaps as slits")
@@ -187,8 +158,58 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
         if narrow.all():
             narrow[first - 1] = False
     order = (first + np.arange(count)) % count
-    shift = np.where(np.arange(count) < first, kernel.period or 0.0, 0.0)
-    a, b, joined = (pieces.a + shift)[order], (pieces.b + shift)[order], narrow[order[:-1]]
+    shift = np.where(np.arange(count) < first, equation.kernel.period or 0.0, 0.0)
+    return _joined(pieces, order, shift, narrow[order[:-1]])
+
+
+def _allows_slits(equation: Equation, pieces: Zones) -> bool:
+    """Whether the equation has a solution on wide zones, with narrow gaps as slits."""
+    # The right side, or a column (a term of unknown amplitude), may be singular between zones. Then
+    # no gap becomes a slit, because the wide zone around it would contain the singular point.
+    singular = len(equation.forcing.jumps.singular_at) > 0 or any(
+        column.resolution.modes is None and not column.resolution.smooth_between
+        for column in equation.columns
+    )
+    return (
+        not singular
+        and not pieces.have_values
+        and _one_level(equation.conditions)
+        and _zero_intensities(pieces)
+    )
+
+
+def _narrow(equation: Equation, pieces: Zones, after: Array, before: Mask | None) -> Mask:
+    """Mask of the zones whose gap on the right, of the width `after`, becomes a slit.
+
+    before: as for `merge`.
+    """
+    width = pieces.b - pieces.a
+    following = np.roll(width, -1)
+    # A narrow gap becomes a slit only where this needs fewer modes. A slit needs more modes the
+    # wider it is relative to the adjacent zones. Without slits, a zone needs more modes the wider
+    # it is relative to the gap next to it.
+    most = OPTIONS.max_gap * (
+        1.0
+        if before is None or len(before) != len(pieces)
+        else np.where(before, OPTIONS.hysteresis, 1 / OPTIONS.hysteresis)
+    )
+    narrow = (after < most * np.maximum(width, following)) & (after**2 < width * following)
+    narrow &= pieces.moves[1] & np.roll(pieces.moves[0], -1)
+    if equation.kernel.period is None or pieces.symmetric:
+        narrow[-1] = False
+    return narrow & (
+        ~_jumps_inside(equation, pieces, after)
+        | (after < OPTIONS.max_gap_with_jumps * np.minimum(width, following))
+    )
+
+
+def _joined(pieces: Zones, order: Index, shift: Array, joined: Mask) -> SlitGeometry:
+    """The wide zones and slits of zones that are joined across narrow gaps.
+
+    order: indices of the zones from left to right, once they are moved by `shift`; joined: mask of
+    the zones in this order, without the last one, that are joined to the next zone.
+    """
+    a, b, count = (pieces.a + shift)[order], (pieces.b + shift)[order], len(pieces)
     starts = np.concatenate(([0], np.flatnonzero(~joined) + 1))
     stops = np.concatenate((starts[1:], [count])) - 1
     zone = np.empty(count, dtype=np.intp)

@@ -581,6 +581,25 @@ def solve_zones(
     found = merge(equation, zones, sizes.joined)
     if found is None:
         return solve_fixed(equation, zones, tolerance, sizes)
+    try:
+        state = _solved_with_slits(equation, found, tolerance, sizes)
+    except SlitsNotConverged:
+        return solve_fixed(equation, zones, tolerance, sizes)
+    if any(here.kinks for here in state.slit_system.slits) and state.density_error > max(
+        tolerance / ERRORS.negligible, OPTIONS.max_change
+    ):
+        # An undeclared jump of a derivative of the right side does no harm in a gap between the
+        # given zones. If the gap is a slit, the jump lies within a wide zone. The solution without
+        # slits may then be better.
+        separate = solve_fixed(equation, zones, tolerance, sizes)
+        return separate if separate.density_error < state.density_error else state
+    return state
+
+
+def _solved_with_slits(
+    equation: Equation, found: SlitGeometry, tolerance: float, sizes: Sizes
+) -> SlitState:
+    """The solution on wide zones with slits; `sizes` gets their modes and counts of evaluations."""
     sizes.joined, inner = found.slit_after >= 0, sizes.wide
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
@@ -590,19 +609,12 @@ def solve_zones(
     inner.linear = sizes.linear if equation.grows else 1.0
     inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
-    profile, kernel, iterations = (
-        inner.profile_evaluations,
-        inner.kernel_evaluations,
-        inner.iterations,
-    )
+    counts = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
     while True:
         before = inner.iterations
         state = solve_fixed(equation, found.wide, tolerance, inner)
         slit_system = SlitSystem(found, state, sizes.linear)
-        try:
-            folded, series, rest = slit_system.solve()
-        except SlitsNotConverged:
-            return solve_fixed(equation, zones, tolerance, sizes)
+        folded, series, rest = slit_system.solve()
         if state.iteration is not None:
             more = state.iteration.iterations - (inner.iterations - before)
             inner.iterations += more
@@ -619,16 +631,7 @@ def solve_zones(
         inner.carried = sizes.carried = Carried.of(wide.system, wide.unknowns, slack)
     sizes.wide = inner
     sizes.solves += 1
-    sizes.profile_evaluations += inner.profile_evaluations - profile
-    sizes.kernel_evaluations += inner.kernel_evaluations - kernel
-    sizes.iterations += inner.iterations - iterations
-    found_state = SlitState(slit_system, wide, density, series, rest, sizes)
-    if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(
-        tolerance / ERRORS.negligible, OPTIONS.max_change
-    ):
-        # An undeclared jump of a derivative of the right side does no harm in a gap between the
-        # given zones. If the gap is a slit, the jump lies within a wide zone. The solution without
-        # slits may then be better.
-        separate = solve_fixed(equation, zones, tolerance, sizes)
-        return separate if separate.density_error < found_state.density_error else found_state
-    return found_state
+    sizes.profile_evaluations += inner.profile_evaluations - counts[0]
+    sizes.kernel_evaluations += inner.kernel_evaluations - counts[1]
+    sizes.iterations += inner.iterations - counts[2]
+    return SlitState(slit_system, wide, density, series, rest, sizes)
