@@ -14,7 +14,7 @@ d^(-3/2) are the singular densities of `sie.ends.motions`; free ends with anothe
 zero move so that it is kept.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -326,38 +326,51 @@ def end_rates_of(density: AnyDensity, lack: Array) -> Array:
     return np.where(zones.moves, rates, 0.0)
 
 
-def with_open_value(
-    answer: Callable[[Array], tuple[Array, Array]],
-    right: Array,
-    unit: Array,
-    equation: Equation,
-    zones: Zones,
-    change: "Change",
-) -> tuple[Array, Array, float | None]:
-    """(unknowns, outward motions of ends, derivative of the open value) for given right sides.
+class LinearEquations:
+    """Base class: the linear equations for the derivative of one solution by a parameter.
 
-    The open value is the unknown value of a side condition. The condition on the ends determines
-    it. Its derivative is None if all values are known. answer: unknowns and motions for a right
-    side; unit: right side for a unit of the open value.
+    right: right sides of all their rows; it ends with those of the side conditions.
     """
-    y, outward = answer(right)
-    if equation.open_condition is None:
-        return y, outward, None
-    more_y, more_outward = answer(right + unit)
-    normal = np.array(equation.end_conditions[0].residual(zones)[1:])
-    rate = float((normal * (more_outward - outward)).sum())
-    if rate == 0.0:
-        raise SingularSystem("the condition on the ends does not depend on the open value")
-    value = (change.of_ends - float((normal * outward).sum())) / rate
-    return y + value * (more_y - y), outward + value * (more_outward - outward), value
 
+    right: Array
 
-class Linearized:
-    """The linear equations for the derivative of one solution by a parameter."""
-
-    def __init__(self, state: State, change: Change) -> None:
+    def __init__(self, state: Any, change: Change) -> None:
         self.state, self.change = state, change
         self.zones, self.system = state.density.zones, state.system
+
+    def answer(self, right: Array) -> tuple[Array, Array]:
+        """(unknowns of the density's derivative, outward motions of all ends) from `right`.
+        `right` is a right side of the linear equations.
+        """
+        raise NotImplementedError
+
+    def solved(self) -> tuple[Array, Array, float | None]:
+        """(unknowns, outward motions of ends, derivative of the open value).
+
+        The open value is the unknown value of a side condition. The condition on the ends
+        determines it. Its derivative is None if all values are known.
+        """
+        y, outward = self.answer(self.right)
+        state, equation = self.state, self.state.equation
+        if equation.open_condition is None:
+            return y, outward, None
+        unit = np.zeros_like(self.right)
+        rows = state.values(equation.open_condition) / state.condition_scale
+        unit[len(unit) - len(rows) :] = rows
+        more_y, more_outward = self.answer(self.right + unit)
+        normal = np.array(equation.end_conditions[0].residual(self.zones)[1:])
+        rate = float((normal * (more_outward - outward)).sum())
+        if rate == 0.0:
+            raise SingularSystem("the condition on the ends does not depend on the open value")
+        value = (self.change.of_ends - float((normal * outward).sum())) / rate
+        return y + value * (more_y - y), outward + value * (more_outward - outward), value
+
+
+class Linearized(LinearEquations):
+    """The linear equations for the derivative of one solution on resolved zones."""
+
+    def __init__(self, state: State, change: Change) -> None:
+        super().__init__(state, change)
         self.motions: IteratedMotions | None = None
         if state.iteration is not None:
             self.motions = IteratedMotions(state, state.iteration)
@@ -441,7 +454,6 @@ class Linearized:
         return np.array(intensities_of(alpha, beta, self.zones.half)) + own
 
     def answer(self, right: Array) -> tuple[Array, Array]:
-        """(unknowns, outward motions of all ends) of the derivative, for given right sides."""
         zones, outward = self.zones, self.change.outward
         y = self.unknowns(right, outward)
         if not zones.moves.any():
@@ -457,13 +469,7 @@ class Linearized:
         return y, outward + end_rates_of(self.state.density, lack)
 
     def derivative(self) -> Derivative:
-        state, opened = self.state, self.state.equation.open_condition
-        unit = np.zeros(len(self.right))
-        if opened is not None:
-            unit = state.right_of(state.values(opened))
-        return self._assembled(
-            *with_open_value(self.answer, self.right, unit, state.equation, self.zones, self.change)
-        )
+        return self._assembled(*self.solved())
 
     def _assembled(self, y: Array, outward: Array, value: float | None) -> Derivative:
         zones, plain = self.zones, self.density(y)

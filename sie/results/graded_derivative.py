@@ -14,21 +14,20 @@ from sie.results.derivative import (
     OPTIONS,
     Change,
     Derivative,
+    LinearEquations,
     end_rates_of,
     known_parts,
-    with_open_value,
 )
 
 
-class GradedLinearized:
+class GradedLinearized(LinearEquations):
     """Linear equations for the derivative of a solution on zones next to narrow gaps.
 
     The rows are those of `sie.graded.system`, whose right sides are values at nodes.
     """
 
     def __init__(self, state: GradedState, change: Change) -> None:
-        self.state, self.change = state.with_bounded_ends(), change
-        self.zones, self.system = state.density.zones, state.system
+        super().__init__(state.with_bounded_ends(), change)
         self.changed: GradedSystem | None = None
         rows = np.concatenate((change.values, change.held(self.zones)))
         out = np.zeros(state.solver.size)
@@ -57,23 +56,13 @@ class GradedLinearized:
         return GradedDensity(system, y, bounded_ends=False, forced=forced)
 
     def answer(self, right: Array) -> tuple[Array, Array]:
-        """(unknowns of the density's derivative, outward motions of all ends) from `right`.
-        `right` is a right side of the linear equations.
-        """
         y = self.system.unfold(self.state.solver(right))
         k = np.array(self.density(y).intensities)
         return y, end_rates_of(self.state.density, self.change.intensities - k)
 
     def derivative(self) -> Derivative:
-        state, zones = self.state, self.zones
-        opened = state.equation.open_condition
-        unit = np.zeros(len(self.right))
-        if opened is not None:
-            unit[state.conditions_from :] = state.values(opened) / state.condition_scale
-        y, outward, value = with_open_value(
-            self.answer, self.right, unit, state.equation, zones, self.change
-        )
-        density = self.density(y)
+        y, outward, value = self.solved()
+        density, zones = self.density(y), self.zones
         for zone, n in enumerate(self.system.sizes.tolist()):
             c = np.abs(density.divided[zone, :n])
             if c[-4:].max() > OPTIONS.max_tail * c.max():

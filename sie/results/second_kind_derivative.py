@@ -16,9 +16,9 @@ from sie.results.derivative import (
     OPTIONS,
     Change,
     Derivative,
+    LinearEquations,
     end_rates_of,
     known_parts,
-    with_open_value,
 )
 from sie.second_kind.density import SecondKindDensity
 from sie.second_kind.jumps import known_parts as known_densities
@@ -27,7 +27,7 @@ from sie.second_kind.state import SecondKindState, density_of
 from sie.second_kind.system import SecondKindRows
 
 
-class SecondKindLinearized:
+class SecondKindLinearized(LinearEquations):
     """Linear equations for the derivative of a solution along `change`.
     The integral equation is of the second kind: it contains kappa times the density.
 
@@ -35,8 +35,7 @@ class SecondKindLinearized:
     """
 
     def __init__(self, state: SecondKindState, change: Change) -> None:
-        self.state, self.change = state, change
-        self.zones, self.system = state.density.zones, state.system
+        super().__init__(state, change)
         self.changed: SecondKindRows | None = None
         if state.iterated or self.zones.follow_ends or self.zones.have_values:
             raise ValueError(
@@ -68,24 +67,13 @@ class SecondKindLinearized:
         return density_of(self.changed or self.system, y, self.changed is None)
 
     def answer(self, right: Array) -> tuple[Array, Array]:
-        """(unknowns of the density's derivative, outward motions of all ends) from `right`.
-        `right` is a right side of the linear equations.
-        """
         y = self.state.solver(right)
         if not self.zones.moves.any():
             return y, np.zeros((2, len(self.zones)))
         return y, end_rates_of(self.state.density, -np.array(self.density(y).intensities))
 
     def derivative(self) -> Derivative:
-        state, equation, zones = self.state, self.state.equation, self.zones
-        opened, unit = equation.open_condition, np.zeros_like(self.right)
-        if opened is not None:
-            unit[len(unit) - len(state.condition_scale) :] = (
-                state.values(opened) / state.condition_scale
-            )
-        y, outward, value = with_open_value(
-            self.answer, self.right, unit, equation, zones, self.change
-        )
+        y, outward, value = self.solved()
         density = self.density(y)
         table, modes = np.abs(density.coefficients), self.system.layout.m.tolist()
         last = [row[: m + 1][-STATES.last :].max() for row, m in zip(table, modes, strict=True)]
@@ -94,5 +82,5 @@ class SecondKindLinearized:
                 "the change of the right side is not resolved on zone "
                 f"{int(np.argmax(last))} (counted from 0)"
             )
-        k = np.where(np.isnan(zones.intensities), np.array(density.intensities), 0.0)
+        k = np.where(np.isnan(self.zones.intensities), np.array(density.intensities), 0.0)
         return Derivative(density, (outward * [[-1.0], [1.0]]).T, k, density.amplitudes, value)

@@ -174,7 +174,7 @@ def test_limits_at_the_interval_are_the_density_and_its_own_transform(kappa):
 
 
 @pytest.mark.parametrize("kappa", KAPPAS)
-def test_u_is_a_sum_of_the_polynomials_of_the_right_side_and_back(kappa):
+def test_u_is_a_sum_of_the_polynomials_of_the_right_side(kappa):
     weighted, g = JacobiFunctions(kappa), RNG.standard_normal(80) * 0.95 ** np.arange(80)
     matrix = weighted.from_u(80)
     assert np.array_equal(matrix, np.triu(matrix))
@@ -185,7 +185,6 @@ def test_u_is_a_sum_of_the_polynomials_of_the_right_side_and_back(kappa):
         g[None], t[None]
     )
     assert np.abs(root * error).max() < 3e-14 * np.abs(g).sum()
-    assert weighted.to_u(80) @ matrix == pytest.approx(np.eye(80), abs=1e-13)
 
 
 @pytest.mark.parametrize("kappa", KAPPAS)
