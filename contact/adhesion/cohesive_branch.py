@@ -334,29 +334,27 @@ def _receded(
     The interval is wider than that of the advancing contact. Its ends, and the ends of wider
     intervals, are driven inward.
     """
+    pressed = max(value, 0.0)
+    here = advancing(context, scaled, curve, pressed)
     if np.isfinite(curve.problem.corners[0]):
         # The interval of tension extends from one sharp corner to the other corner.
-        table = np.array([curve.problem.corners])
-        curve.from_zones(
-            table,
-            max(value, 0.0),
-            advancing(context, scaled, curve, max(value, 0.0)).zones,
-            ACCURACY.rough,
-        )
-        rest = receded(curve, table, max(value, 0.0))
-        return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
-    here = advancing(context, scaled, curve, max(value, 0.0))
-    middle, half = (
-        0.5 * float(here.table[0, 0] + here.table[-1, 1]),
-        0.5 * float(here.table[-1, 1] - here.table[0, 0]),
-    )
+        table, guide = np.array([curve.problem.corners]), None
+        curve.from_zones(table, pressed, here.zones, ACCURACY.rough)
+    else:
+        table = _driven_inward_about(curve, here, pressed)
+        guide = guide_of(curve, len(here.contact), table)
+    rest = receded(curve, table, pressed, guide)
+    return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
 
+
+def _driven_inward_about(curve: CohesiveCurve, here: CohesiveState, value: float) -> Array:
+    """One interval around those of the state `here`, so wide that its ends are driven inward."""
+    first, last = float(here.table[0, 0]), float(here.table[-1, 1])
+    middle, half = 0.5 * (first + last), 0.5 * (last - first)
     for _ in range(LIMITS.max_iterations):
         half *= MOVES.widening
-        if driven_inward(curve, middle, half, max(value, 0.0)):
-            table = np.array([[middle - half, middle + half]])
-            rest = receded(curve, table, max(value, 0.0), guide_of(curve, len(here.contact), table))
-            return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
+        if driven_inward(curve, middle, half, value):
+            return np.array([[middle - half, middle + half]])
     raise OutOfRange(
         "no interval of tension is so wide that its ends recede: there is no greatest contact"
     )

@@ -12,7 +12,7 @@ import numpy as np
 from contact.adhesion.cohesive_fields import CohesiveFields, scaled_second_variation
 from contact.adhesion.cohesive_state import CohesiveState
 from contact.adhesion.cohesive_zone import CohesiveCurve
-from contact.adhesion.inner_contact import sampled_gap
+from contact.adhesion.inner_signs import sampled_gap
 from contact.adhesion.options import SAMPLES
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tables import gaps_between, located

@@ -6,7 +6,7 @@ import numpy as np
 
 from contact.adhesion.cohesive_rates import EndRates
 from contact.adhesion.curve import State
-from contact.adhesion.inner_contact import sampled_gap
+from contact.adhesion.inner_signs import sampled_gap
 from contact.formulation.fields import ZoneFields
 from sie import Array, record
 

@@ -24,11 +24,8 @@ from contact.adhesion.cohesive_rates import contact_rates, own_gap_rates, yields
 from contact.adhesion.cohesive_state import CohesiveState, PastState
 from contact.adhesion.curve import ACCURACY, Curve, State, direct
 from contact.adhesion.deformed_profile import TractionLoaded
-from contact.adhesion.inner_contact import (
-    ContactLost,
-    EndsCovered,
-    InnerTolerances,
-    contact_under,
+from contact.adhesion.inner_contact import ContactLost, EndsCovered, InnerTolerances, contact_under
+from contact.adhesion.inner_signs import (
     sample_places,
     sampled_gap,
     samples_with_extremes,

@@ -2,44 +2,27 @@
 
 The ends of the zones are moved by Newton steps 2 K/A within the intervals, with the edge intensity
 K and the edge slope A of the pressure q. At an end of an interval the deformed profile has a
-logarithmic slope, and near it K varies as the square root of the distance. A zone is cut where q is
-negative; a new zone begins where the surfaces overlap.
+logarithmic slope, and near it K varies as the square root of the distance. `inner_signs` then tests
+the signs of pressure and gap.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 import sie
 from contact.adhesion.curve import ACCURACY, NoState
 from contact.adhesion.deformed_profile import TractionLoaded
-from contact.adhesion.intervals import fitted, interval_of, sample_points
+from contact.adhesion.inner_signs import corrected, sampled_gap
+from contact.adhesion.intervals import fitted, interval_of
 from contact.adhesion.options import LIMITS, MOVES, SAMPLES
 from contact.errors import NotConverged
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
-from contact.formulation.quadrature import sides
-from contact.formulation.roots import reaches
-from contact.formulation.tables import gaps_between, joined_where, runs_of
-from contact.formulation.tolerances import allowed_overlap
-from sie import Array, Index, Mask, record
-
-
-@dataclass(frozen=True)
-class InnerContactOptions:
-    """Options of the sample points for a contact within intervals of tension."""
-
-    # The gap of an isolated body is sampled up to this distance, relative to the span of its zones
-    # and tension intervals.
-    far: float = 1024.0
-    # Number of rounds in which sample points are added near extrema of the gap or the pressure.
-    refinements: int = 3
-
-
-_OPTIONS = InnerContactOptions()
+from contact.formulation.tables import gaps_between, joined_where
+from sie import Array, Mask, record
 
 
 class ContactLost(NoState):
@@ -99,7 +82,7 @@ def contact_under(
         if formal:
             return fields, None
         gap_samples = sampled_gap(fields)
-        found = _corrected(fields, gap_samples)
+        found = corrected(fields, gap_samples)
         if found is None:
             return fields, gap_samples
         zones = fitted(
@@ -155,22 +138,8 @@ def _settled(
     first = np.diff(zones, axis=1)[:, 0]
     before: tuple[Array, Array] | None = None
     best, stuck = np.inf, 0
-
-    def solved(zones: Array) -> tuple[TractionLoaded, sie.State]:
-        here = pulled.over(zones)
-        try:
-            return here, sie.solve_fixed(
-                here.equation(control(here)),
-                sie.Zones.of(zones, pulled.end, pulled.end),
-                tolerances.density,
-            )
-        except sie.SingularSystem as failure:
-            raise NotConverged(
-                "zones under a given tension came too near to one another, or to its ends"
-            ) from failure
-
     for _ in range(LIMITS.max_iterations):
-        here, state = solved(zones)
+        here, state = _solved(pulled, control, zones, tolerances)
         width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(pulled, zones)
         pinned, rests = _pinned(here, zones, np.array(state.density.intensities))
         k, step = _steps((here, state), zones, before, (room, shared), (pinned, rests))
@@ -183,27 +152,14 @@ def _settled(
         if miss < tolerances.ends or (stuck > 2 and miss < 10 * ACCURACY.resting_step):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
-        # Contact covers the end of an interval if the strip of tension at this end has closed.
-        # Strips that end at a sharp corner do not count, as they may be arbitrarily narrow.
-        covers = (
-            ~shared
-            & (room < ACCURACY.resting_step * width)
-            & (step > 0.5 * room)
-            & ~_beside_corners(here, zones)
-        )
-        if covers.any():
-            i = interval_of(zones, pulled.pulling.table)
-            ends = np.zeros((2, len(pulled.pulling.table)), dtype=bool)
-            for side in (0, 1):
-                ends[side, i[covers[side]]] = True
-            raise EndsCovered(ends.ravel())
+        _refuse_covered(here, zones, ~shared & (room < ACCURACY.resting_step * width), step, room)
         share = np.where(shared, MOVES.max_move, 1 - MOVES.least_part)
-        limit = np.minimum(MOVES.max_move * width, share * room)
         inward = MOVES.max_move * width
+        limit = np.minimum(inward, share * room)
         moved = np.where(reaches, room, np.clip(step, -inward, limit))
         # Newton's method squares the error, so one more step suffices. Its result is not checked.
         if float(np.abs(moved / least).max()) < tolerances.last and not reaches.any():
-            return solved(_moved(here, zones, moved, reaches))
+            return _solved(pulled, control, _moved(here, zones, moved, reaches), tolerances)
         shrinks = ((step < -inward) | (pinned & rests)).all(axis=0)
         lost = (width < MOVES.vanished * first) & shrinks
         if lost.any():
@@ -214,6 +170,44 @@ def _settled(
         zones = _moved(here, zones, moved, reaches)
         zones, first = _joined(zones, first, step)
     raise NotConverged("the ends of zones under a given tension did not come to rest")
+
+
+def _solved(
+    pulled: TractionLoaded,
+    control: Callable[[TractionLoaded], Control],
+    zones: Array,
+    tolerances: InnerTolerances,
+) -> tuple[TractionLoaded, sie.State]:
+    """(problem, state) on given zones, whose ends need not be in equilibrium."""
+    here = pulled.over(zones)
+    try:
+        return here, sie.solve_fixed(
+            here.equation(control(here)),
+            sie.Zones.of(zones, pulled.end, pulled.end),
+            tolerances.density,
+        )
+    except sie.SingularSystem as failure:
+        raise NotConverged(
+            "zones under a given tension came too near to one another, or to its ends"
+        ) from failure
+
+
+def _refuse_covered(
+    here: TractionLoaded, zones: Array, close: Mask, step: Array, room: Array
+) -> None:
+    """Raise EndsCovered if a zone covers an end of its interval, since the strip there has closed.
+    Strips that end at a sharp corner do not count, as they may be arbitrarily narrow.
+
+    close: mask (2, n) of the ends with hardly any strip of tension; step: Newton steps of the ends;
+    room: widths of the strips.
+    """
+    covers = close & (step > 0.5 * room) & ~_beside_corners(here, zones)
+    if covers.any():
+        i = interval_of(zones, here.pulling.table)
+        ends = np.zeros((2, len(here.pulling.table)), dtype=bool)
+        for side in (0, 1):
+            ends[side, i[covers[side]]] = True
+        raise EndsCovered(ends.ravel())
 
 
 def _steps(
@@ -392,170 +386,3 @@ def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
         & (step[0, 1:] > MOVES.least_part * gap)
     )
     return joined_where(zones, meets), first[np.append(True, ~meets)]
-
-
-def sampled_gap(fields: ZoneFields) -> tuple[Array, Array]:
-    """(ascending sample points outside the contact, gap at these points)."""
-    pulled = fields.problem
-    assert isinstance(pulled, TractionLoaded)
-    return samples_with_extremes(
-        fields.formal_gap, sample_places(pulled, fields.density.zones.table)
-    )
-
-
-def samples_with_extremes(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
-    """(sample points, gap at these points); points are added at extrema of the gap.
-
-    A new zone or interval begins at an extremum with no width, so samples alone would miss it.
-    """
-    order = np.argsort(x)
-    x, value = x[order], gap(x[order])
-    for _ in range(_OPTIONS.refinements):
-        a, b, c = x[:-2], x[1:-1], x[2:]
-        left, right = (value[1:-1] - value[:-2]) / (b - a), (value[2:] - value[1:-1]) / (c - b)
-        turns = (left * right <= 0.0) & (left != right)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            top = 0.5 * (a + b) - left * 0.5 * (c - a) / (right - left)
-        top = top[turns & (top > a) & (top < c)]
-        top = np.unique(top[~np.isin(top, x)])
-        if len(top) == 0:
-            break
-        x, value = np.concatenate((x, top)), np.concatenate((value, gap(top)))
-        order = np.argsort(x)
-        x, value = x[order], value[order]
-    return x, value
-
-
-def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
-    """Sample points outside the contact, denser near ends of zones and intervals of tension."""
-    table, period = pulled.pulling.table, pulled.round
-    lo, hi = (
-        np.maximum(pulled.borders[0], pulled.corners[0]),
-        np.minimum(pulled.borders[1], pulled.corners[1]),
-    )
-    both = np.concatenate((table.ravel(), zones.ravel()))
-    if period is not None:
-        marks = np.concatenate((table.ravel(), table.ravel() + period, table.ravel() - period))
-        first = both[0] if len(both) else 0.0
-        edges = gaps_between(zones, period) if len(zones) else np.array([[first, first + period]])
-    else:
-        span = float(both.max() - both.min())
-        far = _OPTIONS.far * span
-        # The range of the sample points is divided at these distances from the outermost ends. They
-        # form a geometric series with the ratio 4.
-        away = far / 4.0 ** np.arange(1, np.log(4 * _OPTIONS.far) / np.log(4.0))
-        marks = np.concatenate((table.ravel(), both.min() - away, both.max() + away))
-        left, right = max(lo, both.min() - far), min(hi, both.max() + far)
-        edges = np.column_stack((np.append(left, zones[:, 1]), np.append(zones[:, 0], right)))
-        edges = edges[edges[:, 0] < edges[:, 1]]
-    found = []
-    for begin, end in edges.tolist():
-        cuts = [begin, *np.sort(marks[(marks > begin) & (marks < end)]).tolist(), end]
-        found += [
-            sample_points(a, b, 0.25 * pulled.detail)
-            for a, b in zip(cuts[:-1], cuts[1:], strict=True)
-        ]
-    kinks = pulled.forcing.kinks[0]
-    if period is not None and len(kinks):
-        kinks = np.concatenate((kinks - period, kinks, kinks + period))
-    inner_kinks = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
-    # The gap may be smallest at a sharp corner that is not in contact. So these corners are sample
-    # points.
-    free = [
-        corner for corner in pulled.corners if np.isfinite(corner) and not np.any(zones == corner)
-    ]
-    return np.unique(np.concatenate((np.zeros(0), *found, *inner_kinks, free)))
-
-
-def _refined(
-    fields: ZoneFields, zone: int, place: Array, q: Array, least: float
-) -> tuple[Array, Array]:
-    """(points of a zone, pressure q at the points); points are added near minima of q."""
-    density, zones = fields.density, fields.density.zones
-    for _ in range(_OPTIONS.refinements):
-        inner = np.flatnonzero((q >= least) & (reaches(-q) > 0.0))
-        inner = inner[(inner > 0) & (inner < len(q) - 1)]
-        if len(inner) == 0:
-            break
-        parts = np.linspace(0.0, 1.0, SAMPLES.samples)[1:-1]
-        x = np.concatenate([place[i - 1] + (place[i + 1] - place[i - 1]) * parts for i in inner])
-        x = np.unique(x[~np.isin(x, place)])
-        left, right = (x - zones.a[zone]) / zones.half[zone], (zones.b[zone] - x) / zones.half[zone]
-        more = fields.problem.bearing(density, np.full(len(x), zone), left, right) / np.sqrt(
-            left * right
-        )
-        order = np.argsort(np.concatenate((place, x)), kind="stable")
-        place, q = np.concatenate((place, x))[order], np.concatenate((q, more))[order]
-    return place, q
-
-
-def _by_zone(values: Array, counts: Index) -> list[Array]:
-    return np.split(values, np.cumsum(counts)[:-1])
-
-
-def signs_hold(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> bool:
-    """Whether pressure is positive on all zones, and no gap is negative where tension acts."""
-    return _corrected(fields, gap_samples) is None
-
-
-def _corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | None:
-    """The zones without parts of negative pressure q, with new zones where surfaces overlap.
-
-    None if there are no such places.
-    """
-    assert isinstance(fields.problem, TractionLoaded)
-    density, (x, gap) = fields.density, gap_samples
-    zones, out, changed = density.zones, [], False
-    varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
-    # Near the ends of a zone, the tension makes the pressure q vary fast, but does not change its
-    # sign. So the sample points need not resolve this variation.
-    wanted = np.maximum(SAMPLES.sign_samples, 8 * zones.half / varies).astype(np.intp)
-    counts = np.minimum(density.sampling, wanted)
-    at = [(np.arange(n) + 0.5) * np.pi / n for n in counts]
-    theta, zone = np.concatenate(at), np.repeat(np.arange(len(zones)), counts)
-    left, right = sides(theta)
-    borne = fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right)
-    for i, (q, far) in enumerate(zip(_by_zone(borne, counts), _by_zone(left, counts), strict=True)):
-        q, place = q[::-1], zones.a[i] + zones.half[i] * far[::-1]
-        begin, least = float(zones.a[i]), -ACCURACY.rough * np.abs(q).max()
-        place, q = _refined(fields, int(i), place, q, least)
-        for s, e in runs_of(q < least):
-            changed = True
-            if s > 0:
-                out.append((begin, float(0.5 * (place[s] + place[s - 1]))))
-            begin = float(0.5 * (place[e] + place[e + 1])) if e < len(q) - 1 else np.inf
-        if np.isfinite(begin):
-            out.append((begin, float(zones.b[i])))
-    on_zones = float(np.abs(fields.formal_gap(zones.middle)).max())
-    rounding = fields.gap_rounding + allowed_overlap(on_zones=on_zones)
-    free, tension = ~density.locate(x)[2], fields.problem.pulling
-    if len(tension.table):
-        # New zones begin only inside the intervals of tension.
-        free &= tension.holds(x)
-    for s, e in runs_of((gap < -rounding) & free):
-        lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
-        if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
-            continue
-        middle = 0.5 * (x[s] + x[e])
-        # The new zone is half as wide as the overlap, but at least a tenth of `hi - lo` wide, where
-        # lo and hi are the sample points on both sides of the overlap.
-        half = 0.25 * max(x[e] - x[s], 0.2 * (hi - lo))
-        # A new zone at a sharp corner has one end at the corner.
-        middle += (
-            half
-            if x[s] == fields.problem.corners[0]
-            else -half
-            if x[e] == fields.problem.corners[1]
-            else 0.0
-        )
-        out.append(
-            (
-                float(max(middle - half, fields.problem.corners[0])),
-                float(min(middle + half, fields.problem.corners[1])),
-            )
-        )
-        changed = True
-    if not changed:
-        return None
-    found = np.array(sorted(out)).reshape(-1, 2)
-    return joined_where(found, found[1:, 0] <= found[:-1, 1])
