@@ -231,23 +231,30 @@ class ParameterRates(sie.Kept):
             return self._by_shear(name, value)
         return self._intensity.times(self._intensity_rate(f"law.{name}"))
 
+    def of_stress_alone(self, rates: Array) -> Change:
+        """A change of the scene that changes the largest stress only, with its given derivatives.
+        They are those at the places of the largest stress.
+        """
+        nothing, stress = self.linearized.by_load.times(0.0), self.linearized.stress
+        assert stress is not None
+        error = np.abs(rates) * (4 * (self.solution.error + stress.missed))
+        return replace(
+            nothing,
+            values=replace(nothing.values, max_stress=rates),
+            errors=replace(nothing.errors, max_stress=error),
+        )
+
     def _by_shear(self, name: str, value: float) -> Change:
         """The derivative by a parameter of a law of friction, which changes the stresses only."""
-        nothing, stress = self.linearized.by_load.times(0.0), self.linearized.stress
+        stress = self.linearized.stress
         if stress is None:
-            return nothing
+            return self.linearized.by_load.times(0.0)
 
         def ratio(at: float) -> float:
             return float(remade(self.scene.law, {name: at}).shear_ratio)
 
         rate = _difference(ratio, value, STEP * value) if value else (ratio(STEP) - ratio(0)) / STEP
-        turned = stress.by_shear * rate
-        error = np.abs(turned) * (4 * (self.solution.error + stress.missed))
-        return replace(
-            nothing,
-            values=replace(nothing.values, max_stress=turned),
-            errors=replace(nothing.errors, max_stress=error),
-        )
+        return self.of_stress_alone(stress.by_shear * rate)
 
     def _by_period(self) -> tuple[Change, float]:
         """Derivatives by the period; the second number is as in `of`."""

@@ -165,7 +165,7 @@ class Response:
     def _first_yield(self) -> Derivative:
         """Derivative of the load of first yield, at which the largest stress keeps its value."""
         assert self.by_load is not None
-        rise, unsure = rise_of_stress(self.by_load)
+        rise, unsure = _rise_of_stress(self.by_load)
         values, errors = self.change.values, self.change.errors
         rates = values.load - values.max_stress / rise
         error = errors.load + errors.max_stress / rise + np.abs(values.max_stress) * unsure
@@ -194,7 +194,7 @@ class Response:
         return self.change.pressure(real("x", x))
 
 
-def rise_of_stress(by_load: Change) -> tuple[Array, Array]:
+def _rise_of_stress(by_load: Change) -> tuple[Array, Array]:
     """Derivatives of the largest stress by the load, and the errors of their inverses."""
     rise, error = by_load.values.max_stress, by_load.errors.max_stress
     if not np.all(rise > 10 * error):

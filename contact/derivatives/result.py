@@ -28,7 +28,6 @@ from contact.derivatives.response import (
     TABLES,
     Derivative,
     Response,
-    rise_of_stress,
 )
 from contact.derivatives.stresses import LargestStress
 from contact.errors import SceneError
@@ -283,18 +282,13 @@ class Sensitivity(sie.Kept):
     def _by_criterion(self, number: str, to: str) -> Derivative:
         """Derivative of the largest stress, or of the load of first yield, by strength or nu."""
         one_of("number", number, STRESSES)
-        stress, (rise, unsure) = self.stress, rise_of_stress(self.linearized.by_load)
-        assert stress is not None
-        strength = np.ones(rise.shape)
-        change = -stress.by_nu if to == "nu" else strength
-        if number == "max_stress":
-            change = strength - strength if to == "strength" else stress.by_nu
-            error = 4 * (self.solution.error + stress.missed) * np.abs(change)
-            first = int(np.argmax(change))
-            return Derivative(float(change[first]), float(error[first]), self.note)
-        first = int(np.argmin(change / rise))
-        error = (unsure + 4 * (self.solution.error + stress.missed) / rise) * np.abs(change)
-        return Derivative(float((change / rise)[first]), float(error[first]), self.note)
+        assert self.stress is not None
+        if to == "nu":
+            rates = self.stress.by_nu
+        else:
+            # A unit of strength acts on the load of first yield like a unit of stress less.
+            rates = np.full(len(self.stress.points), -1.0 if number == "first_yield" else 0.0)
+        return self._response(self._rates.of_stress_alone(rates)).of(number)
 
     def _response(self, change: Change, target: float = 0.0) -> Response:
         """Derivatives at a fixed value of the control, from those at a fixed load (`change`).
