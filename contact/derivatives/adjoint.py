@@ -71,6 +71,11 @@ class Functional:
     slope: tuple[float, float] | None = None
     inside: tuple[complex, complex, complex] | None = None
 
+    def at_places(self, tip: float) -> Part:
+        """The parts of the functional at single places: f at its lowest place `tip`, and f'."""
+        place, factor = self.slope or (tip, 0.0)
+        return np.array([tip, place]), np.array([self.tip, 0.0]), np.array([0.0, factor])
+
     def plus(self, other: Functional, factor: float) -> Functional:
         """This functional plus `factor` times `other`, which must have no pressure as a part."""
         return replace(
@@ -81,6 +86,10 @@ class Functional:
             mean=self.mean + factor * other.mean,
             tip=self.tip + factor * other.tip,
         )
+
+
+# Places x, and the weights of heights and of slopes there.
+Part = tuple[Array, Array, Array]
 
 
 @record
@@ -95,6 +104,12 @@ class Weights:
     heights: Array
     slopes: Array
     error: float
+
+    @classmethod
+    def summed(cls, parts: list[Part], error: float) -> Weights:
+        """The sum of functionals, each given by its places, height weights and slope weights."""
+        x, heights, slopes = (np.concatenate(one) for one in zip(*parts, strict=True))
+        return cls(x, heights, slopes, error)
 
     def of(self, height: Callable[[Array], Array], slope: Callable[[Array], Array]) -> float:
         """Value of the functional for a change of the profile with this height and this slope."""
@@ -142,20 +157,13 @@ class _Adjoint:
             self.sources.append(self._at(*functional.peak))
         state = self._solved(functional)
         density = state.density
-        parts = [self._on_zone(density, k, int(density.sampling[k])) for k in range(len(zones))]
-        x, heights, slopes = (np.concatenate(one) for one in zip(*parts, strict=True))
-        x, heights, slopes = units.x(x), heights / units.height, slopes / units.slope
+        found = [self._on_zone(density, k, int(density.sampling[k])) for k in range(len(zones))]
+        parts = [(units.x(x), f / units.height, slope / units.slope) for x, f, slope in found]
         if functional.mean:
-            more, _, share = over_period(problem.profile)
-            x, heights, slopes = (
-                np.append(x, more),
-                np.append(heights, functional.mean * share),
-                np.append(slopes, np.zeros(len(more))),
-            )
-        place, factor = functional.slope or (tip, 0.0)
-        x, slopes = np.append(x, (tip, place)), np.append(slopes, (0.0, factor))
-        error = state.density_error + TOLERANCES.rounding
-        return Weights(x, np.append(heights, (functional.tip, 0.0)), slopes, error)
+            x, _, share = over_period(problem.profile)
+            parts.append((x, functional.mean * share, np.zeros(len(x))))
+        parts.append(functional.at_places(tip))
+        return Weights.summed(parts, state.density_error + TOLERANCES.rounding)
 
     def _at(self, x: float, factor: float) -> Source:
         """The `Source` for `factor` times the derivative of the pressure [Pa] at x [m]."""
@@ -318,9 +326,7 @@ class _Adjoint:
         weight = weight * one.weight(t)
         return t, weight, one.area - float(weight.sum())
 
-    def _on_zone(
-        self, density: sie.AnyDensity, zone: int, count: int
-    ) -> tuple[Array, Array, Array]:
+    def _on_zone(self, density: sie.AnyDensity, zone: int, count: int) -> Part:
         """(scaled positions, weights of the heights, weights of the slopes) on one zone.
         The heights and the slopes are those of a change of the profile.
         """
@@ -382,10 +388,8 @@ def full_weights(fields: FullFields, functional: Functional, tip: float) -> Weig
     period = profile.period
     assert period is not None
     x, _, share = over_period(profile)
-    heights, slopes = (functional.mean + functional.approach) * share, np.zeros(len(x))
-    place, factor = functional.slope or (tip, 0.0)
-    x, heights = np.append(x, (tip, place)), np.append(heights, (functional.tip, 0.0))
-    slopes = np.append(slopes, (0.0, factor))
+    mean = (x, (functional.mean + functional.approach) * share, np.zeros(len(x)))
+    parts = [mean, functional.at_places(tip)]
 
     def around(place: float) -> tuple[Array, Array]:
         """(x - place at nodes x of one period, weights); nodes are denser near `place`."""
@@ -400,14 +404,12 @@ def full_weights(fields: FullFields, functional: Functional, tip: float) -> Weig
         at, weight = around(place)
         weight = weight * factor * modulus / (2 * period)
         weight = weight / np.tan(np.pi * at / period)
-        x = np.concatenate((x, place + at, [place]))
-        heights = np.append(heights, np.zeros(len(at) + 1))
-        slopes = np.concatenate((slopes, weight, [-weight.sum()]))
+        at, weight = np.append(place + at, place), np.append(weight, -weight.sum())
+        parts.append((at, np.zeros(len(at)), weight))
     if functional.inside is not None:
         z, value, rise = functional.inside
         at, weight = around(z.real)
         first, second, _ = cotangents(1j * z.imag - at, period)
         weight = weight * (0.5j * modulus / np.pi * (value * first + rise * second)).real
-        x, heights = np.append(x, z.real + at), np.append(heights, np.zeros(len(at)))
-        slopes = np.append(slopes, weight)
-    return Weights(x, heights, slopes, TOLERANCES.rounding)
+        parts.append((z.real + at, np.zeros(len(at)), weight))
+    return Weights.summed(parts, TOLERANCES.rounding)

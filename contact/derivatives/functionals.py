@@ -12,7 +12,6 @@ import numpy as np
 import sie
 from contact.derivatives.adjoint import Functional, Weights, full_weights, weights_of
 from contact.derivatives.linear import Linearized
-from contact.derivatives.numbers import Numbers
 from contact.derivatives.response import NUMBERS, STRESSES, Derivative, Response
 from contact.errors import SceneError
 from contact.formulation.fields import ZoneFields
@@ -97,11 +96,9 @@ class Functionals(sie.Kept):
         functional, control = self._at_load(number, index), self._control
         fields, unsure = self.solution.fields, 0.0
         if control is not None:
-            values, errors = self.linearized.by_load.values, self.linearized.by_load.errors
-            of_control, of_number = control[1], self._entry(values, number, index)
-            unsure = (
-                self._entry(errors, number, index) + abs(of_number / of_control) * control[2]
-            ) / abs(of_control)
+            of_control = control[1]
+            of_number, error = self._by_load(number, index)
+            unsure = (error + abs(of_number / of_control) * control[2]) / abs(of_control)
             functional = functional.plus(control[0], -of_number / of_control)
         variants, stressed = self.linearized.variants, number == "max_stress"
         at = index[0] if stressed and index else 0
@@ -117,8 +114,7 @@ class Functionals(sie.Kept):
         """Adjoint weights of the load of first yield.
         This load does not depend on the value of the control.
         """
-        by_load = self.linearized.by_load
-        rise, error = float(by_load.values.max_stress[0]), float(by_load.errors.max_stress[0])
+        rise, error = self._by_load("max_stress", ())
         found = tuple(
             self._on(one, self._of_stress(one, self._none(), -1 / rise))
             for one in self.linearized.variants
@@ -189,17 +185,16 @@ class Functionals(sie.Kept):
             functional = replace(none, ends=np.full(none.ends.shape, part))
         return functional, *self.linearized.controlled(self.linearized.by_load)
 
-    def _entry(self, numbers: Numbers, number: str, index: tuple[int, ...]) -> float:
-        if number == "zone_widths":
-            return float(np.diff(numbers.zones)[:, 0][index])
-        if number == "mean_pressure":
-            assert self.solution.scene.profile.period is not None
-            return numbers.load / self.solution.scene.profile.period
-        if number == "max_pressure":
-            return float(numbers.max_pressure[index[0] if index else 0])
-        if number == "max_stress":
-            return float(numbers.max_stress[index[0] if index else 0])
-        return float(np.asarray(numbers.largest(number))[index])
+    def _by_load(self, number: str, index: tuple[int, ...]) -> tuple[float, float]:
+        """(derivative by the load, its error) of a number, or of one entry of an array."""
+        by_load = self.linearized.by_load
+        if number in ("max_pressure", "max_stress"):
+            k = index[0] if index else 0
+            found = getattr(by_load.values, number)[k], getattr(by_load.errors, number)[k]
+        else:
+            entry = Response(self.solution, by_load).of(number)
+            found = np.asarray(entry.value)[index], np.asarray(entry.error)[index]
+        return float(found[0]), float(found[1])
 
     def _at_load(self, number: str, index: tuple[int, ...]) -> Functional:
         """The functional whose value is the derivative of `number` at a fixed load."""

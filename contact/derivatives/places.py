@@ -31,14 +31,8 @@ WINDOW = EPS ** (1 / 5)
 
 def peaks(solution: Solution) -> Array:
     """Places [m] (k,) of the largest pressure; empty if it is infinite or reached on a plateau."""
-    profile = solution.scene.profile
     x = _samples(solution)
-    if len(x) == 0:
-        return x
-    zones = solution.zones if len(solution.zones) else np.array([[x[0], x[-1]]])
-    cusps = np.asarray(profile.algebraic_points).reshape(-1, 4)[:, 0]
-    shortest = profile.resolution or np.inf
-    return _maxima(solution.pressure, x, Window(zones, shortest, cusps, solution.error))
+    return _maxima(solution.pressure, x, Window.of(solution)) if len(x) else x
 
 
 def _samples(solution: Solution) -> Array:
@@ -126,6 +120,15 @@ class Window:
     shortest: float
     cusps: Array
     error: float
+
+    @classmethod
+    def of(cls, solution: Solution) -> Window:
+        """The window for maxima of the pressure, or of a stress on the surface, of a solution."""
+        profile, ends = solution.scene.profile, solution.zones
+        if len(ends) == 0:
+            ends = profile.x0 + np.array([[0.0, profile.period or 1.0]])
+        cusps = np.asarray(profile.algebraic_points).reshape(-1, 4)[:, 0]
+        return cls(ends, profile.resolution or np.inf, cusps, solution.error)
 
     def size(self, place: float) -> float:
         """Half width of the window around a place in which a maximum is refined."""

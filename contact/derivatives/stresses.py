@@ -205,12 +205,7 @@ class LargestStress(sie.Kept):
 
     @cached_property
     def _window(self) -> Window:
-        solution = self.solution
-        profile, ends = solution.scene.profile, solution.zones
-        if len(ends) == 0:
-            ends = profile.x0 + np.array([[0.0, profile.period or 1.0]])
-        cusps = np.asarray(profile.algebraic_points).reshape(-1, 4)[:, 0]
-        return Window(ends, profile.resolution or np.inf, cusps, solution.error)
+        return Window.of(self.solution)
 
     def _refuse_ends(self, fields: Fields, x: float) -> None:
         """Raise SceneError if a point of the surface is at a zone's end or outside all zones."""
