@@ -292,7 +292,7 @@ class Curve:
         state = solved.whole
         # A lower accuracy than that of `state` suffices for rates.
         of_rates = ACCURACY.rough if tolerance <= ACCURACY.density else ACCURACY.coarse
-        rates, by_value = self._intensity_rates(direct(state, equation, of_rates))
+        rates, by_value = self._intensity_rates(state, equation, of_rates)
         here = State(
             table,
             value,
@@ -307,8 +307,11 @@ class Curve:
             return here.at_corners(problem.corners)
         return here.with_pinned(pinned)
 
-    def _intensity_rates(self, state: sie.State) -> tuple[Array, Array]:
+    def _intensity_rates(
+        self, state: sie.State, equation: sie.Equation, tolerance: float
+    ) -> tuple[Array, Array]:
         """(derivatives (2n, 2n) of the edge intensities by the ends, (2n,) by the control)."""
+        state = direct(state, equation, tolerance)
         values = np.zeros(len(state.condition_scale))
         first = state.condition_index[0]
         # `values` is the derivative of the side conditions' right side by the control. A load

@@ -194,7 +194,7 @@ def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array
     return np.asarray(by * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths)))
 
 
-def _chord(here: State, ahead: State, most: float = 0.5) -> Array:
+def _chord(here: State, ahead: State, most: float) -> Array:
     """Fraction (2n,) of a step at which each residual vanishes by linear interpolation.
 
     It is between `MOVES.least_part` and `most`.

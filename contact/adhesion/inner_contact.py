@@ -77,8 +77,9 @@ def contact_under(
         raise ContactLost
     if len(zones) == 0:
         zones = _lowest(pulled)
+    search = _Search(pulled, control, tolerances)
     for done in range(LIMITS.max_iterations):
-        fields = ZoneFields(*_with_ends(pulled, control, zones, tolerances, done == 0))
+        fields = ZoneFields(*search.with_ends(zones, done == 0))
         if formal:
             return fields, None
         gap_samples = sampled_gap(fields)
@@ -93,26 +94,116 @@ def contact_under(
     raise NotConverged("the zones under a given tension did not settle")
 
 
-def _with_ends(
-    pulled: TractionLoaded,
-    control: Callable[[TractionLoaded], Control],
-    zones: Array,
-    tolerances: InnerTolerances,
-    plain: bool,
-) -> tuple[TractionLoaded, sie.AnyState]:
-    """(problem, solved state) of the zones in equilibrium, whose ends start from a guess.
+@record
+class _Search:
+    """The search for the zones of contact in a problem under tension.
 
-    Plain Newton steps are tried first if `plain` is set. If they fail, the engine's search is used:
-    it accounts for the interaction of ends across narrow gaps, but does not support sharp corners.
+    control: the control of the contact as a function of the problem.
     """
-    cornered = pulled.corners != (-np.inf, np.inf)
-    if plain or cornered:
+
+    pulled: TractionLoaded
+    control: Callable[[TractionLoaded], Control]
+    tolerances: InnerTolerances
+
+    def with_ends(self, zones: Array, plain: bool) -> tuple[TractionLoaded, sie.AnyState]:
+        """(problem, solved state) of the zones in equilibrium, whose ends start from a guess.
+
+        Plain Newton steps are tried first if `plain` is set. If they fail, the engine's search is
+        used: it accounts for the interaction of ends across narrow gaps, but does not support sharp
+        corners.
+        """
+        cornered = self.pulled.corners != (-np.inf, np.inf)
+        if plain or cornered:
+            try:
+                return self.settled(zones)
+            except NotConverged:
+                if cornered:
+                    raise
+        return self.searched(zones)
+
+    def settled(self, zones: Array) -> tuple[TractionLoaded, sie.State]:
+        """(problem, state) for zones whose ends were found by Newton's method.
+
+        The number of zones may only fall.
+        """
+        first = np.diff(zones, axis=1)[:, 0]
+        before: tuple[Array, Array] | None = None
+        best, stuck = np.inf, 0
+        for _ in range(LIMITS.max_iterations):
+            here, state = self.solved(zones)
+            width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(self.pulled, zones)
+            pinned, rests = _pinned(here, zones, np.array(state.density.intensities))
+            k, step = _steps((here, state), zones, before, (room, shared), (pinned, rests))
+            before = zones, k
+            least = np.minimum(width, np.where(shared | pinned, np.inf, np.maximum(room, 1e-300)))
+            miss = float(np.abs(step / least).max())
+            best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
+            # The search ends if the Newton step is small enough, or if short steps no longer
+            # decrease. Next to narrow strips of tension, the round-off of the steps may exceed the
+            # tolerance.
+            if miss < self.tolerances.ends or (stuck > 2 and miss < 10 * ACCURACY.resting_step):
+                return here, state
+            reaches = _reaches(here, zones, k, step, room, shared)
+            _refuse_covered(
+                here, zones, ~shared & (room < ACCURACY.resting_step * width), step, room
+            )
+            share = np.where(shared, MOVES.max_move, 1 - MOVES.least_part)
+            inward = MOVES.max_move * width
+            limit = np.minimum(inward, share * room)
+            moved = np.where(reaches, room, np.clip(step, -inward, limit))
+            # Newton's method squares the error, so one more step suffices. Its result is not
+            # checked.
+            if float(np.abs(moved / least).max()) < self.tolerances.last and not reaches.any():
+                return self.solved(_moved(here, zones, moved, reaches))
+            shrinks = ((step < -inward) | (pinned & rests)).all(axis=0)
+            lost = (width < MOVES.vanished * first) & shrinks
+            if lost.any():
+                if lost.all():
+                    raise ContactLost
+                zones, first = zones[~lost], first[~lost]
+                continue
+            zones = _moved(here, zones, moved, reaches)
+            zones, first = _joined(zones, first, step)
+        raise NotConverged("the ends of zones under a given tension did not come to rest")
+
+    def solved(self, zones: Array) -> tuple[TractionLoaded, sie.State]:
+        """(problem, state) on given zones, whose ends need not be in equilibrium."""
+        here = self.pulled.over(zones)
         try:
-            return _settled(pulled, control, zones, tolerances)
-        except NotConverged:
-            if cornered:
-                raise
-    return _searched(pulled, control, zones, tolerances)
+            return here, sie.solve_fixed(
+                here.equation(self.control(here)),
+                sie.Zones.of(zones, self.pulled.end, self.pulled.end),
+                self.tolerances.density,
+            )
+        except sie.SingularSystem as failure:
+            raise NotConverged(
+                "zones under a given tension came too near to one another, or to its ends"
+            ) from failure
+
+    def searched(self, zones: Array) -> tuple[TractionLoaded, sie.AnyState]:
+        """(problem, state) for zones found by the engine's search for ends.
+
+        If the search fails or the zones leave their intervals, `settled` is used.
+        """
+        equation = self.pulled.equation(self.control(self.pulled))
+        for _ in range(LIMITS.max_iterations):
+            free = sie.find_ends(
+                equation, sie.Zones.of(zones, self.pulled.end, self.pulled.end), 1e-10
+            )
+            ended = free.density.zones.table
+            if len(free.lost):
+                if len(free.lost) == len(ended):
+                    raise ContactLost
+                zones = np.delete(ended, free.lost, axis=0)
+            elif len(free.met):
+                zones = joined_where(ended, np.isin(np.arange(len(ended) - 1), free.met))
+            else:
+                own = _own(self.pulled, ended)
+                within = bool(np.all((ended[:, 0] > own[:, 0]) & (ended[:, 1] < own[:, 1])))
+                return (
+                    (self.pulled, free.state) if free.converged and within else self.settled(zones)
+                )
+        raise NotConverged("the number of zones under a given tension did not settle")
 
 
 def _lowest(pulled: TractionLoaded) -> Array:
@@ -123,73 +214,6 @@ def _lowest(pulled: TractionLoaded) -> Array:
     i, j = np.unravel_index(int(np.argmin(pulled.shape(x.ravel()))), x.shape)
     half = 0.5 * float(table[i, 1] - table[i, 0]) / count
     return np.array([[x[i, j] - half, x[i, j] + half]])
-
-
-def _settled(
-    pulled: TractionLoaded,
-    control: Callable[[TractionLoaded], Control],
-    zones: Array,
-    tolerances: InnerTolerances,
-) -> tuple[TractionLoaded, sie.State]:
-    """(problem, state) for zones whose ends were found by Newton's method.
-
-    The number of zones may only fall.
-    """
-    first = np.diff(zones, axis=1)[:, 0]
-    before: tuple[Array, Array] | None = None
-    best, stuck = np.inf, 0
-    for _ in range(LIMITS.max_iterations):
-        here, state = _solved(pulled, control, zones, tolerances)
-        width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(pulled, zones)
-        pinned, rests = _pinned(here, zones, np.array(state.density.intensities))
-        k, step = _steps((here, state), zones, before, (room, shared), (pinned, rests))
-        before = zones, k
-        least = np.minimum(width, np.where(shared | pinned, np.inf, np.maximum(room, 1e-300)))
-        miss = float(np.abs(step / least).max())
-        best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
-        # The search ends if the Newton step is small enough, or if short steps no longer decrease.
-        # Next to narrow strips of tension, the round-off of the steps may exceed the tolerance.
-        if miss < tolerances.ends or (stuck > 2 and miss < 10 * ACCURACY.resting_step):
-            return here, state
-        reaches = _reaches(here, zones, k, step, room, shared)
-        _refuse_covered(here, zones, ~shared & (room < ACCURACY.resting_step * width), step, room)
-        share = np.where(shared, MOVES.max_move, 1 - MOVES.least_part)
-        inward = MOVES.max_move * width
-        limit = np.minimum(inward, share * room)
-        moved = np.where(reaches, room, np.clip(step, -inward, limit))
-        # Newton's method squares the error, so one more step suffices. Its result is not checked.
-        if float(np.abs(moved / least).max()) < tolerances.last and not reaches.any():
-            return _solved(pulled, control, _moved(here, zones, moved, reaches), tolerances)
-        shrinks = ((step < -inward) | (pinned & rests)).all(axis=0)
-        lost = (width < MOVES.vanished * first) & shrinks
-        if lost.any():
-            if lost.all():
-                raise ContactLost
-            zones, first = zones[~lost], first[~lost]
-            continue
-        zones = _moved(here, zones, moved, reaches)
-        zones, first = _joined(zones, first, step)
-    raise NotConverged("the ends of zones under a given tension did not come to rest")
-
-
-def _solved(
-    pulled: TractionLoaded,
-    control: Callable[[TractionLoaded], Control],
-    zones: Array,
-    tolerances: InnerTolerances,
-) -> tuple[TractionLoaded, sie.State]:
-    """(problem, state) on given zones, whose ends need not be in equilibrium."""
-    here = pulled.over(zones)
-    try:
-        return here, sie.solve_fixed(
-            here.equation(control(here)),
-            sie.Zones.of(zones, pulled.end, pulled.end),
-            tolerances.density,
-        )
-    except sie.SingularSystem as failure:
-        raise NotConverged(
-            "zones under a given tension came too near to one another, or to its ends"
-        ) from failure
 
 
 def _refuse_covered(
@@ -319,37 +343,6 @@ def _reaches(
                 and (k[side, i] > part if part else step[side, i] > room[side, i])
             )
     return out
-
-
-def _searched(
-    pulled: TractionLoaded,
-    control: Callable[[TractionLoaded], Control],
-    zones: Array,
-    tolerances: InnerTolerances,
-) -> tuple[TractionLoaded, sie.AnyState]:
-    """(problem, state) for zones found by the engine's search for ends.
-
-    If the search fails or the zones leave their intervals, `_settled` is used.
-    """
-    equation = pulled.equation(control(pulled))
-    for _ in range(LIMITS.max_iterations):
-        free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
-        ended = free.density.zones.table
-        if len(free.lost):
-            if len(free.lost) == len(ended):
-                raise ContactLost
-            zones = np.delete(ended, free.lost, axis=0)
-        elif len(free.met):
-            zones = joined_where(ended, np.isin(np.arange(len(ended) - 1), free.met))
-        else:
-            own = _own(pulled, ended)
-            within = bool(np.all((ended[:, 0] > own[:, 0]) & (ended[:, 1] < own[:, 1])))
-            return (
-                (pulled, free.state)
-                if free.converged and within
-                else _settled(pulled, control, zones, tolerances)
-            )
-    raise NotConverged("the number of zones under a given tension did not settle")
 
 
 def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:

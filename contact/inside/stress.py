@@ -83,7 +83,7 @@ class Stress:
 
 
 def stress_from(
-    y: Array, normal: Transform, tangential: Transform | None = None, error: ArrayLike = 0.0
+    y: Array, normal: Transform, tangential: Transform | None, error: ArrayLike = 0.0
 ) -> Stress:
     """Stresses at the depths y [m] from the transforms of pressure and shear.
 

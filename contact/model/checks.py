@@ -218,7 +218,7 @@ def real(field: str, value: Any) -> Array:
     return array if np.isfinite(array).all() else np.where(np.isinf(array), np.nan, array)
 
 
-def increasing(field: str, value: Any, least: int = 1) -> Array:
+def increasing(field: str, value: Any, least: int) -> Array:
     """Return a strictly increasing array of finite numbers; SceneError names the first
     violation.
     """

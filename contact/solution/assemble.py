@@ -40,8 +40,8 @@ def zone_solution(
     found: SolvedZones,
     plan: Plan,
     tol: float,
-    branch: str | None = None,
-    find_pull_off: Callable[[ZoneFields], PullOff] | None = None,
+    branch: str | None,
+    find_pull_off: Callable[[ZoneFields], PullOff] | None,
 ) -> Solution:
     """The solution from the solved zones.
     Raises NotConverged, which contains the solution, if the error of the solution is too large.
@@ -110,7 +110,7 @@ def full_contact_solution(
     mean_pressure: float,
     plan: Plan,
     tol: float,
-    branch: str | None = None,
+    branch: str | None,
 ) -> Solution:
     """The solution in full contact.
 

@@ -65,7 +65,7 @@ def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
 
 
 def gap_steps(
-    gaps: Array, widths: Array, moves: Mask, k: Array, slopes: Array, tips: Array | None = None
+    gaps: Array, widths: Array, moves: Mask, k: Array, slopes: Array, tips: Array | None
 ) -> tuple[Array, Mask]:
     """(outward steps (2, Z) at narrow gaps, mask of the ends at which these steps are valid).
 

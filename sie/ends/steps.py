@@ -81,7 +81,7 @@ def newton_step(
     zones: Zones,
     options: NewtonOptions,
     value_response: AnyDensity | None,
-    last: LastMoves | None = None,
+    last: LastMoves | None,
 ) -> NewtonStep:
     """The next Newton step of the free ends of the zones, before damping.
 

@@ -187,7 +187,7 @@ class FieldSums:
         """
         return self.projected(self.near @ y, self.far_rows(self._far_series(y, rough)))
 
-    def fields_and_middles(self, y: Array, rough: bool = False) -> tuple[Array, Array]:
+    def fields_and_middles(self, y: Array, rough: bool) -> tuple[Array, Array]:
         """(coefficients as from `__call__`, potential of far zones in the middle of each zone)."""
         series, middle, rest = self._far(y, rough)
         return self.projected(self.near @ y, self.far_rows(series)), middle + rest

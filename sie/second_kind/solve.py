@@ -24,7 +24,7 @@ from sie.states.solve import SingularSystem, TooLarge, regular_factors
 
 
 def solve_second_kind(
-    equation: Equation, zones: Zones, tolerance: float, sizes: Sizes | None = None
+    equation: Equation, zones: Zones, tolerance: float, sizes: Sizes | None
 ) -> SecondKindState:
     """Solve an equation with kappa on given zones, with as many modes as it needs.
 
