@@ -61,7 +61,7 @@ def certified_everywhere(
     )
     return replace(
         plain,
-        smallest_pressure=_least_pressure(plain, curve),
+        smallest_pressure=plain.smallest_pressure - curve.stress * curve.problem.units.pressure,
         holds=plain.holds and inside,
         note=note if inside else "the gap is above the reach",
     )
@@ -94,16 +94,12 @@ def certified(plain: Certificate, curve: CohesiveCurve, here: CohesiveState) -> 
     )
     return replace(
         plain,
-        smallest_pressure=_least_pressure(plain, curve),
+        smallest_pressure=plain.smallest_pressure - curve.stress * curve.problem.units.pressure,
         holds=not failure,
         note=failure or note,
         intensity=reach_error,
         stability=stability,
     )
-
-
-def _least_pressure(plain: Certificate, curve: CohesiveCurve) -> float:
-    return plain.smallest_pressure - curve.stress * curve.problem.units.pressure
 
 
 def _on_wrong_side(curve: CohesiveCurve, here: CohesiveState, rounding: float) -> str:

@@ -19,7 +19,7 @@ from contact.formulation.full_contact import FullFields
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.checks import one_of
 from contact.model.controls import Quantity
-from sie import Array, Index, record
+from sie import Array, record
 
 
 @record
@@ -161,10 +161,6 @@ class Functionals(sie.Kept):
             )
         return ""
 
-    @cached_property
-    def _order(self) -> Index:
-        return self.solution._order
-
     def _none(self) -> Functional:
         count = len(self.solution.zones)
         return Functional(np.zeros((count, 2)), np.zeros(count))
@@ -198,7 +194,7 @@ class Functionals(sie.Kept):
 
     def _at_load(self, number: str, index: tuple[int, ...]) -> Functional:
         """The functional whose value is the derivative of `number` at a fixed load."""
-        none, solution, order = self._none(), self.solution, self._order
+        none, solution, order = self._none(), self.solution, self.solution._order
         ends, loads = none.ends, none.loads
         if number in ("load", "mean_pressure", "max_stress"):
             return none

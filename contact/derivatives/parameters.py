@@ -164,11 +164,6 @@ class ParameterRates(sie.Kept):
 
         return _difference(intensity, value, STEP * abs(value)) / law.intensity(E_star)
 
-    @cached_property
-    def _itself(self) -> Change:
-        """Derivatives of all numbers along the profile f itself: f changes to f + e f."""
-        return self.linearized.along(Direction.itself(self.scene.profile))
-
     def _value_change(self, degrees: dict[str, float]) -> Change:
         """A change in which every number changes by itself times its exponent in `degrees`.
         The pressure does not change.
@@ -181,7 +176,8 @@ class ParameterRates(sie.Kept):
     @cached_property
     def _modulus_alone(self) -> Change:
         """Derivatives of all numbers by E*, times E*, at a fixed load and edge intensity."""
-        return self._itself.plus(self._value_change(OF_HEIGHT), -1.0)
+        along_profile = self.linearized.along(Direction.itself(self.scene.profile))
+        return along_profile.plus(self._value_change(OF_HEIGHT), -1.0)
 
     @cached_property
     def _intensity(self) -> Change:
