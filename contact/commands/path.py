@@ -19,7 +19,7 @@ from contact.commands.options import (
     values_of,
 )
 from contact.commands.trace import show_profile
-from contact.errors import SceneError
+from contact.errors import NotConverged, SceneError
 from contact.model.scene import Scene
 from contact.solution.terminal import Progress, show_columns
 from contact.sweeps.path import path, refuse_unloading
@@ -117,6 +117,7 @@ def path_command(
         "--csv", table, {".csv": lambda found, name, overwrite: found.save(name, overwrite)}
     )
     outputs.add_figure(figure, lambda found: found.plot())
+    missed = None
     try:
         with Progress(wanted=not quiet) as progress:
             if no_events:
@@ -142,7 +143,23 @@ def path_command(
         if error.field == "stiffness":
             raise SceneError.of("--stiffness", stiffness, error.allowed) from error
         raise SceneError.of(name, given, error.allowed) from error
+    except NotConverged as error:
+        # The loads that were solved are shown before the command ends with the error.
+        missed, found = error, _solved_of(error, tol)
     outputs.finish(found, as_json, quiet, lambda: _show(found))
+    if missed is not None:
+        raise missed
+
+
+def _solved_of(missed: NotConverged, tol: float) -> LoadPath:
+    """The path through the loads that were solved; raises the error if there are none."""
+    best = missed.best
+    if isinstance(best, LoadPath):
+        return best
+    if not isinstance(best, list):
+        raise missed
+    alone = tuple(one for one in best if one is not None and one.error <= tol)
+    return LoadPath(alone, ((),) * len(alone))
 
 
 def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[str, Array]:

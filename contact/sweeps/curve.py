@@ -1,7 +1,11 @@
 """A curve: one scene at many values of one control, each solve warm-started from earlier ones."""
 
+from typing import Any
+
 from contact.closed.solve import solve_all_closed
+from contact.errors import NotConverged
 from contact.model.scene import Scene
+from contact.model.units import counted
 from contact.runtime import one_blas_thread
 from contact.search.context import SceneCache
 from contact.search.topology.extrapolation import CurvePoint
@@ -9,6 +13,36 @@ from contact.search.topology.loop import Progress
 from contact.solution.solution import Solution
 from contact.solver import solved_along
 from sie import Array
+
+
+class Missed:
+    """The values of a control at which the tolerance was not met, while the others are solved."""
+
+    def __init__(self, control: str) -> None:
+        self.control = control
+        self.failures: list[tuple[float, NotConverged]] = []
+
+    def add(self, value: float, failure: NotConverged) -> None:
+        self.failures.append((float(value), failure))
+
+    def refuse(self, solved: int, best: Any) -> None:
+        """Raise NotConverged if values were missed; `best` has the answers at the others.
+
+        solved: number of the values that were solved.
+        """
+        if not self.failures:
+            return
+        value, failure = self.failures[0]
+        if solved == 0:
+            raise failure
+        values = ", ".join(f"{one:.17g}" for one, _ in self.failures[1:])
+        also = f"; also missed: {values}" if values else ""
+        raise NotConverged(
+            f"{self.control} = {value:.17g}: {failure} ({counted(solved, 'other value')} solved, "
+            f"as `best` of this error{also})",
+            self.failures,
+            best,
+        ) from failure
 
 
 class Curve:

@@ -70,8 +70,9 @@ def path(
     Raises
     ------
     SceneError, OutOfRange, NotConverged
-        As `contact.solve`; SceneError also for a law whose path cannot be followed, or for a
-        control that the path does not accept.
+        As `contact.solve`. If some loads miss the tolerance, NotConverged names them after all were
+        tried, and its `best` is the path through the others. SceneError also for a law whose path
+        cannot be followed, or for a control that the path does not accept.
 
     Examples
     --------

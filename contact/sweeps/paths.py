@@ -38,7 +38,7 @@ from contact.solution.export import new_file
 from contact.solution.model_warnings import curve_warnings
 from contact.solution.solution import Solution
 from contact.sweeps import path_table
-from contact.sweeps.curve import Curve
+from contact.sweeps.curve import Curve, Missed
 from contact.sweeps.event_search import EventSearch, follows
 from contact.sweeps.hidden_events import OPTIONS as HIDDEN
 from contact.sweeps.hidden_events import ends_and_rates, may_hide
@@ -185,6 +185,7 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
     run.curve.solve_in_closed_form(values)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
+    missed = Missed("load")
     with unwarned():
         for k, load in enumerate(values):
             if progress is not None:
@@ -193,12 +194,17 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
                 here = run.curve.at(float(load))
             except OutOfRange as error:
                 raise OutOfRange(f"at the load {load:.6g} N/m: {error}") from error
+            except NotConverged as failure:
+                missed.add(load, failure)
+                continue
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
+    found = Path(tuple(solutions), tuple(passed))
+    missed.refuse(len(solutions), found)
     # Warnings are given once, for the highest load, at which slopes and pressures are largest. They
     # point to the caller of `contact.path`.
     warn(curve_warnings(solutions), stacklevel=4)
-    return Path(tuple(solutions), tuple(passed))
+    return found
 
 
 class PathSearch:

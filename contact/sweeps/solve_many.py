@@ -3,11 +3,12 @@
 from collections.abc import Iterator
 from contextlib import closing
 from itertools import chain
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.errors import ContactError, SceneError, unwarned, warn
+from contact.errors import ContactError, NotConverged, SceneError, unwarned, warn
 from contact.model.checks import finite_array, integer, one_of
 from contact.model.controls import known_controls
 from contact.model.scene import Scene
@@ -15,7 +16,7 @@ from contact.search.topology.loop import Progress
 from contact.solution.model_warnings import curve_warnings
 from contact.solution.solution import Solution
 from contact.solver import tolerance
-from contact.sweeps.curve import Curve
+from contact.sweeps.curve import Curve, Missed
 from contact.sweeps.sweep.chunks import Chunk
 from contact.sweeps.sweep.processes import processors, solved_in_processes
 from sie import Array
@@ -61,7 +62,9 @@ def solve_many(
     Raises
     ------
     SceneError, OutOfRange, NotConverged
-        As `contact.solve`.
+        As `contact.solve`. If some values miss the tolerance, NotConverged names them after all
+        values were tried. Its `best` is the list of solutions, with the best state (or None) at
+        each of these values; its `trace` has each of them with its own error.
 
     Warns
     -----
@@ -88,29 +91,42 @@ def solve_many(
     curve = Curve(scene, name, tolerance(tol), progress)
     curve.solve_in_closed_form(given)
     found: dict[int, Solution] = {}
+    best: dict[int, Any] = {}
+    missed = Missed(name)
     with unwarned():
         if several:
-            for place, solution in _in_processes(curve, given, workers):
-                found[place] = solution
+            for place, row in _in_processes(curve, given, workers):
+                if isinstance(row, NotConverged):
+                    missed.add(given[place], row)
+                    best[place] = row.best
+                else:
+                    found[place] = row
                 if progress is not None:
-                    progress(name, len(found), len(given))
-        # Other processes have solved the values in `found`. This process solves the rest, in
-        # ascending order.
+                    progress(name, len(found) + len(best), len(given))
+        # Other processes have tried the values in `found` and `best`. This process solves the rest,
+        # in ascending order.
         for place in np.argsort(given, kind="stable"):
-            if int(place) not in found:
+            if int(place) not in found and int(place) not in best:
                 if progress is not None:
-                    progress(name, len(found), len(given))
-                found[int(place)] = curve.at(float(given[place]))
+                    progress(name, len(found) + len(best), len(given))
+                try:
+                    found[int(place)] = curve.at(float(given[place]))
+                except NotConverged as failure:
+                    missed.add(given[place], failure)
+                    best[int(place)] = failure.best
     # Warnings are given once for the whole curve. They are those at the highest load, where slopes
     # and pressures are largest, and those about unmeasured intervals.
+    missed.refuse(len(found), [(found | best)[k] for k in range(len(given))])
     warn(curve_warnings(found.values()))
     return [found[k] for k in range(len(given))]
 
 
 def _in_processes(
     curve: Curve, values: Array, workers: int | None
-) -> Iterator[tuple[int, Solution]]:
-    """Yield the index and the solution of each value that is not in `curve.known`, in any order."""
+) -> Iterator[tuple[int, Solution | NotConverged]]:
+    """Yield the index and the solution of each value that is not in `curve.known`, in any order.
+    A value that misses the tolerance has its error instead.
+    """
     left = [
         int(place)
         for place in np.argsort(values, kind="stable")
@@ -126,7 +142,10 @@ def _in_processes(
         with closing(solved_in_processes(curve.scene, chunks, curve.tol, solvers)) as coming:
             for place, row in chain.from_iterable(coming):
                 if "raised" in row:
-                    raise row["raised"]
+                    if not isinstance(row["raised"], NotConverged):
+                        raise row["raised"]
+                    yield place, row["raised"]
+                    continue
                 if "solution" not in row:
                     raise ContactError(f"{curve.control} = {values[place]:g}: {row['reason']}")
                 yield place, row["solution"]
