@@ -258,31 +258,39 @@ class _Adjoint:
                 away = (of != one.zone) if shift == 0.0 else np.ones(np.shape(x), dtype=bool)
                 part = one.field(left[away], right[away], slope)
                 out[away] += part / half ** (2 if slope else 1)
-        return out + self._smooth(x, of, slope) if kernel.regular and self.sources else out
+        return out + self._smooth(x, slope) if kernel.regular and self.sources else out
 
-    def _smooth(self, x: Array, of: Any, slope: bool) -> Array:
+    def _smooth(self, x: Array, slope: bool) -> Array:
         """The field `_regular` of all sources at x, or its derivative by x if `slope` is true.
-        It is taken from one Chebyshev series for each zone; `of` is the number of the zone next to
-        each x.
+        It is taken from one Chebyshev series for each panel.
         """
+        panels, out = self._panels, np.zeros(np.shape(x))
         if not self.series:
-            self.series.extend(self._series(zone) for zone in range(len(self.zones)))
-        out = np.zeros(np.shape(x))
-        for zone in np.unique(of).tolist():
-            here, series = of == zone, self.series[zone]
+            self.series.extend(map(self._series, panels[:-1], panels[1:]))
+        of = np.searchsorted(panels[1:-1], x)
+        for panel in np.unique(of).tolist():
+            here, series = of == panel, self.series[panel]
             out[here] = (series.deriv() if slope else series)(x[here])
         return out
 
-    def _series(self, zone: int) -> Chebyshev:
-        """Chebyshev series of `_regular`, the smooth part of all sources' field, around one zone.
-        It holds on the zone and on half of the gaps beside it.
+    @cached_property
+    def _panels(self) -> Array:
+        """Ends of panels that cover all cells and are at most as wide as the kernel's length.
+        On a half-plane the regular part of the kernel varies over the period only: one panel.
+        """
+        lo, hi = float(self._cells[0]), float(self._cells[-1])
+        length = self.problem.kernel.length
+        count = int(np.ceil((hi - lo) / length)) if np.isfinite(length) else 1
+        return np.linspace(lo, hi, count + 1)
+
+    def _series(self, lo: float, hi: float) -> Chebyshev:
+        """Chebyshev series on [lo, hi] of `_regular`, the smooth part of all sources' field.
 
         Its degree is doubled until it has settled.
         """
-        domain = float(self._cells[zone]), float(self._cells[zone + 1])
         degree = NODES
         while True:
-            found = Chebyshev.interpolate(self._regular, degree, domain)
+            found = Chebyshev.interpolate(self._regular, degree, (lo, hi))
             coefficients = np.abs(found.coef)
             last = float(coefficients[-4:].max())
             if last <= TOLERANCES.rounding * coefficients.max() or degree > NODES**2:

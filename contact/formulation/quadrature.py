@@ -42,9 +42,15 @@ def sides(angle: Array) -> tuple[Array, Array]:
     return 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
 
 
+@lru_cache(maxsize=8)
+def _legendre(count: int) -> tuple[Array, Array]:
+    """Gauss nodes and weights on (-1, 1); they are kept, since they follow from eigenvalues."""
+    return np.polynomial.legendre.leggauss(count)
+
+
 def gauss(cuts: Array, count: int) -> tuple[Array, Array]:
     """Gauss nodes and weights, with `count` nodes between each cut and the next."""
-    t, weights = np.polynomial.legendre.leggauss(count)
+    t, weights = _legendre(count)
     half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
     return np.asarray((middle + half * t).ravel()), np.asarray((half * weights).ravel())
 
