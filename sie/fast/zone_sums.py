@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from sie.basis import chebyshev, compiled, lazy
-from sie.basis.data import DIGITS, Array, Index
+from sie.basis.data import DIGITS, Array, Index, numbered
 from sie.basis.interval import Outside, decay_rate
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -91,12 +91,15 @@ class NearSums:
     @cached_property
     def _by_target(self) -> tuple[Index, tuple[Index, Array, Array]]:
         """(first pair of each solved zone, its nodes as `near_fields` takes them)."""
-        first = np.searchsorted(self.place, np.arange(len(self.nodes) + 1))
-        places = [chebyshev.lobatto(n)[1:] for n in self.nodes.tolist()]
+        numbers, kind = np.unique(self.nodes, return_inverse=True)
+        sides = [chebyshev.lobatto(n)[1:] for n in numbers.tolist()]
+        start = np.cumsum(numbers) - numbers
+        # Zones with equal numbers of nodes have equal nodes.
+        at = np.repeat(start[kind], self.nodes) + numbered(self.nodes)
         from_right, from_left = (
-            np.concatenate([np.zeros(0), *(side[1:-1] for side in sides)])
-            for sides in zip(*places, strict=True)
+            np.concatenate([side[k][1:-1] for side in sides])[at] for k in (0, 1)
         )
+        first = np.searchsorted(self.place, np.arange(len(self.nodes) + 1))
         return first, (np.concatenate(([0], np.cumsum(self.nodes))), from_left, from_right)
 
     @cached_property

@@ -34,6 +34,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 
 from sie.basis import chebyshev
 from sie.basis.data import (
@@ -273,8 +274,7 @@ class QuadraticSpline(Kept):
         """Moments (1/pi) int f T_k dt of the spline f on its own interval, doubled for k > 0."""
         x, weights = legendre(self.knots, TERMS)
         u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / (0.5 * (self.knots[-1] - self.knots[0]))
-        values, angle = self(x) * weights, np.arccos(np.clip(u, -1.0, 1.0))
-        return np.array([float(values @ np.cos(k * angle)) for k in range(TERMS)]) * (
+        return ((self(x) * weights) @ chebvander(u, TERMS - 1)) * (
             np.where(np.arange(TERMS), 2.0, 1.0) / np.pi
         )
 
