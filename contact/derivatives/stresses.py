@@ -71,11 +71,7 @@ class LargestStress(sie.Kept):
     """
 
     def __init__(
-        self,
-        solution: Solution,
-        criterion: Criterion,
-        missed: float = 0.0,
-        local: bool = False,
+        self, solution: Solution, criterion: Criterion, missed: float = 0.0, local: bool = False
     ) -> None:
         self.solution, self.criterion, self.missed = solution, criterion, missed
         self.local = local

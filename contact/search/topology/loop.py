@@ -358,8 +358,9 @@ class _Loop(Generic[Kind]):
         """
         free, newton = here.free, self.newton
         failures = (here.certificate.negative, here.certificate.overlaps)
+        # The loose tolerance replaces the truncation of the series, which would take a solve.
         negative, overlaps = (
-            bad[~_are_next_to_ends(free, here.fields.state, bad)] for bad in failures
+            bad[~_are_next_to_ends(free, newton.tolerance, bad)] for bad in failures
         )
         corrections = len(negative) + len(overlaps)
         zones = free.next_zones
@@ -405,28 +406,34 @@ class _Loop(Generic[Kind]):
         return table
 
 
-def end_errors(free: sie.Free, state: sie.AnyState) -> Array:
+def end_errors(free: sie.Free, truncation: Array | float) -> Array:
     """Bounds (n, 2) of the errors of the ends of n intervals, enlarged by a safety factor.
 
-    Signs closer to an end than this are not checked. state: the solution on the same intervals,
-    under the load that they have.
+    Signs closer to an end than this are not checked. truncation: error of each end (n, 2) by
+    truncated series, relative to the width of its interval.
     """
     zones = free.density.zones
-    relative = free.end_error + state.end_truncation
+    relative = free.end_error + truncation
     return np.asarray(TOLERANCES.margin * relative * (zones.b - zones.a)[:, None])
 
 
 def _is_error(here: Round[Any]) -> bool:
     """Whether each wrong sign of pressure or gap may come from the error of a nearby end."""
     bad = np.concatenate((here.certificate.negative, here.certificate.overlaps))
-    return len(bad) > 0 and bool(_are_next_to_ends(here.free, here.fields.state, bad).all())
+    if len(bad) == 0:
+        return False
+    truncation = here.fields.state.end_truncation
+    return bool(_are_next_to_ends(here.free, truncation, bad).all())
 
 
-def _are_next_to_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
-    """Mask of the intervals `bad` (n, 2) whose wrong sign may come from the error of an end."""
+def _are_next_to_ends(free: sie.Free, truncation: Array | float, bad: Array) -> Mask:
+    """Mask of the intervals `bad` (n, 2) whose wrong sign may come from the error of an end.
+
+    truncation: see `end_errors`.
+    """
     if len(bad) == 0:
         return np.zeros(0, dtype=bool)
-    ends, reach = free.density.zones.table.ravel(), end_errors(free, state).ravel()
+    ends, reach = free.density.zones.table.ravel(), end_errors(free, truncation).ravel()
     # Each interval of `bad` is compared with the two nearest ends of zones or gaps on its left, and
     # with the two on its right.
     nearest = np.searchsorted(ends, bad.mean(axis=1))[:, None] + np.arange(-2, 2)

@@ -186,7 +186,8 @@ class PressureForm:
         """
         if self.problem.reference:
             return False
-        zones, reach = found.free.density.zones, end_errors(found.free, found.fields.state)
+        zones = found.free.density.zones
+        reach = end_errors(found.free, found.fields.state.end_truncation)
         narrow = zones.a[1:] - zones.b[:-1] <= reach[1:, 0] + reach[:-1, 1]
         dip = TOLERANCES.margin * found.tolerance
         return found.certificate.dip <= dip or bool(np.any(narrow))
