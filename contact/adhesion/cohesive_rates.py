@@ -101,12 +101,7 @@ def own_gap_rates(pulled: TractionLoaded, at: Array, transform: Array) -> Array:
     between = stress / np.pi * tension.log(lag)
     # Only the other ends contribute to the slope of the gap at an end. The singular
     # contributions of the end itself and of its motion cancel.
-    slopes = (
-        stress
-        / np.pi
-        * tension.logs(at)
-        * np.concatenate((np.ones(count), -np.ones(count)))
-    )
+    slopes = stress / np.pi * tension.logs(at) * np.concatenate((np.ones(count), -np.ones(count)))
     np.fill_diagonal(slopes, 0.0)
     away = np.concatenate((-np.ones(count), np.ones(count)))
     np.fill_diagonal(between, away * (pulled.own_slope(at) - transform + slopes.sum(axis=1)))

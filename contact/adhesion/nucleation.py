@@ -39,7 +39,7 @@ def grown(curve: Curve, table: Array, value: float, rest: float = ACCURACY.resti
 
 
 def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:
-    """The zones of a state, with narrow new zones in `overlaps` where these would not recede.
+    """The zones of a state, plus a narrow new zone in each overlap unless that zone would recede.
     Overlaps are intervals in which the surfaces overlap.
 
     A new zone is left out if the residuals of both ends are negative. If this is true of all new

@@ -204,10 +204,11 @@ class Problem(sie.Kept):
         return sie.AlgebraicPoints(at, exponents - 1.0, -factor * left, factor * right)
 
     def slope(self, x: Array) -> Array:
-        """Scaled slope of the profile, plus the slope by a given pressure outside the strip.
+        """Scaled slope of the profile, plus the slope that a pressure outside the strip causes.
 
-        A given column belongs to the right side, which may take as many modes as it needs near the
-        border of a strip. Unknown columns are coupled to all zones and are truncated earlier.
+        The amplitude of this pressure is given, so that the slope belongs to the right side. The
+        right side may have as many modes as it needs near the border of a strip. Columns with an
+        unknown amplitude are coupled to all zones and are truncated earlier.
         """
         slope = self._profile_slope(x)
         return slope + self.amplitude * self.columns[0].value(x) if self.amplitude else slope

@@ -34,8 +34,8 @@ OPTIONS = DerivativeOptions()
 
 @record
 class TwoContacts:
-    """Two contacts that the localized model compares, one of the strip and one without images.
-    The second is the contact of the strip's profile alone.
+    """Two contacts that the localized model compares, both with the profile of the strip.
+    `strip` has the nominal pressure outside the strip, `alone` has no pressure there.
 
     unknowns: scaled centre, nominal pressure and load of the strip (3,).
     """
@@ -60,7 +60,7 @@ class TwoContacts:
 @record
 class ContactRates(sie.Kept):
     """Derivatives of both contacts by the strip's centre, the nominal pressure and the load.
-    One contact is that of the strip, the other that of the strip's profile alone.
+    The contacts are those of `TwoContacts`.
 
     Derivatives of ends are outward motions (2, Z); those of the approach are numbers.
     """

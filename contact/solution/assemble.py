@@ -105,12 +105,7 @@ def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Sol
 
 
 def full_contact_solution(
-    scene: Scene,
-    full: FullLimit,
-    mean_pressure: float,
-    plan: Plan,
-    tol: float,
-    branch: str | None,
+    scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol: float, branch: str | None
 ) -> Solution:
     """The solution in full contact.
 

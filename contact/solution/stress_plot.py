@@ -110,7 +110,9 @@ def plot_stress(report: StressReport, show: str = "shear") -> Any:
 
 
 def columns_of(report: StressReport, show: str) -> list[Column]:
-    """One column, or the whole and the surroundings of the largest stress if these are small."""
+    """One column of pictures for the whole window, and a second one if the largest stress is local.
+    The second column shows the surroundings of the largest stress.
+    """
     solution = report.solution
     lo, hi = window(solution)
     below = depth_of(solution, lo, hi)

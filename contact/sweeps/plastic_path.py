@@ -158,7 +158,7 @@ def _may_hide(low: Solution, high: Solution) -> bool:
 
 
 def _without_tips(found: list[Change], low: Solution) -> tuple[list[Change], list[Change]]:
-    """The changes without the plateaus that begin at convex kinks, with their contacts; those."""
+    """Split the changes: (all others, plateaus that begin at convex kinks and their contacts)."""
     kinks = low.scene.profile.kinks
     tips, period = kinks[kinks[:, 1] > 0, 0], low.scene.period
     born = [change for change in found if change.kind == "birth"]

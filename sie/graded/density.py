@@ -113,11 +113,10 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def fine(self) -> tuple[GradedSystem, Array]:
-        """A system with more nodes, and its unknowns. The nodes resolve psi = density * dx/ds,
-        where the unknowns of the solved system may be psi divided by a power.
+        """A system with more nodes, and its unknowns. The nodes resolve psi = density * dx/ds.
 
-        Where psi is divided by `Grading.scale` before its series, the scale is singular at the
-        distance pi/B from the axis of s, so that psi needs more nodes than the quotient.
+        The unknowns of the solved system may be the smoother quotient psi / `Grading.scale`. The
+        scale is singular at the distance pi/B from the axis of s, so that psi needs more nodes.
         """
         system, divided = self.system, self.powers.any(axis=0)
         most = np.maximum(system.sizes, resolving_sizes(system.gradings))

@@ -373,8 +373,9 @@ class ForcingJumps(PlacedJumps):
 
     @cached_property
     def _length(self) -> Index:
-        """For each zone, the index of the limit in `JumpOptions.far_rho` for its number of jumps.
-        Where |rho| is below this limit, one series replaces the closed forms of the zone's jumps.
+        """For each zone, which entry of the tables `far_rho` and `far_terms` of `JumpOptions` holds.
+        The entry depends on the number of jumps in the zone. Where |rho| is below this `far_rho`,
+        one series replaces the closed forms of the zone's jumps.
         """
         return np.searchsorted(OPTIONS.far_jumps, self.grouped.count, side="right")
 

@@ -181,10 +181,10 @@ class LevelRows(ManyRows):
 
     @cached_property
     def _own_levels(self) -> list[Array]:
-        """Part of a zone's constant potential (level) per unit of each of its own unknowns.
+        """What one unit of each unknown of a zone adds to the zone's level (constant potential).
 
-        There is one row for each of `sums.groups`. This part is divided by the half width, and
-        lacks the logarithm of the half width.
+        There is one row for each of `sums.groups`. The rows are divided by the half width of the
+        zone, and lack the logarithm of the half width.
         """
         out = []
         for basis, m, _, _ in self.sums.groups:

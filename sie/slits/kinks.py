@@ -178,7 +178,9 @@ class SlitKink(Kept):
 
     @property
     def total(self) -> float:
-        """Integral over the slit of psi, the jump's part of the slack, over pi times half width."""
+        """Integral of psi over the slit, divided by pi times the slit's half width.
+        psi is the part of the slack (the unknown function in the slit) that the jump causes.
+        """
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:

@@ -466,8 +466,10 @@ class Slits(Kept):
 
     @cached_property
     def by_coefficients(self) -> Array:
-        """Matrix from the coefficients c_k of the smooth density to the slits' right sides.
-        The smooth density is that on the wide zone without the part that the slits cause.
+        """Matrix from the coefficients c_k of the smooth density to the right sides of the slits.
+
+        They are the right sides of the equations in the slits. The smooth density is that on the
+        wide zone without the part that the slits cause.
         """
         return self._rows(
             lambda slit, left, right: np.cos(

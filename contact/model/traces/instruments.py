@@ -105,9 +105,7 @@ def _advice(error: Exception) -> str:
     )
 
 
-def points_of(
-    path: Source, surface: Any, line: Any, along: Any
-) -> tuple[Array, Array, str]:
+def points_of(path: Source, surface: Any, line: Any, along: Any) -> tuple[Array, Array, str]:
     """Positions and heights [m] of a line scan or of one line of a map.
     The third value is a text that says which line of the map was read.
     """
