@@ -425,8 +425,8 @@ def test_a_grid_guides_the_ends_to_the_equilibrium_that_they_come_to_by_themselv
 
 
 def test_ends_guided_by_a_grid_take_a_few_states(monkeypatch):
-    taken, at = [], CohesiveCurve._point
-    monkeypatch.setattr(CohesiveCurve, "_point", lambda *given: taken.append(0) or at(*given))
+    taken, at = [], CohesiveCurve._in_contact
+    monkeypatch.setattr(CohesiveCurve, "_in_contact", lambda *given: taken.append(0) or at(*given))
     assert len(contact.solve(many_zones(mean_pressure=2e7)).zones) >= 8
     assert len(taken) <= 10
 
@@ -496,8 +496,8 @@ def test_traces_come_to_pull_off_past_zones_that_vanish_and_gaps_that_close(
 
 
 def test_narrow_strips_take_a_few_states(monkeypatch):
-    taken, at = [], CohesiveCurve._point
-    monkeypatch.setattr(CohesiveCurve, "_point", lambda *given: taken.append(0) or at(*given))
+    taken, at = [], CohesiveCurve._in_contact
+    monkeypatch.setattr(CohesiveCurve, "_in_contact", lambda *given: taken.append(0) or at(*given))
     assert len(contact.solve(many_zones(stress=5e7, mean_pressure=2e7)).zones) >= 8
     assert len(taken) <= 12
 
