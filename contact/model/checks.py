@@ -64,24 +64,27 @@ def metres(field: str, value: Any) -> Any:
         raise SceneError.of(field, value, f"a length ({error})") from error
 
 
-class NamesArguments:
-    """Base of classes that refuse an unknown argument and name the most similar argument."""
+class _ArgumentCheck:
+    """Refuses an unknown argument of a class, and names the most similar argument."""
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         known = _arguments(cls.__init__)
         for name in kwargs:
             if known is not None and name not in known:
                 raise UnknownArgument.unknown(f"argument of {cls.__name__}", name, known)
-        if args and known == ():
-            raise TypeError(f"{cls.__name__}() takes no arguments")
         return super().__new__(cls)
+
+
+class NamesArguments(_ArgumentCheck):
+    """Base of classes that refuse an unknown argument and name the most similar argument."""
+
+    def __init__(self) -> None:
+        """Take no arguments. This is also the signature that `help` shows for such classes."""
 
 
 @cache
 def _arguments(init: Callable[..., None]) -> tuple[str, ...] | None:
     """Names of the arguments of a class with the method `init`; None if it takes any argument."""
-    if init is object.__init__:
-        return ()
     _, *accepted = inspect.signature(init).parameters.values()
     if any(p.kind in (p.VAR_KEYWORD, p.VAR_POSITIONAL) for p in accepted):
         return None
