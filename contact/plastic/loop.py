@@ -69,7 +69,7 @@ class PlasticLoop:
             if spots.full and len(spots.plateaus) == 0:
                 return Failure("full contact without plateaus", free)
             try:
-                free = self.moved(spots, start)
+                free = self.moved(spots.zones(self.problem, self.limit), start)
             except sie.SingularSystem as failure:
                 return Failure(f"the equation has no solution on such zones ({failure})", free)
             spots = Spots.of(free.density.zones, free.density.plateaus, self.problem.period)
@@ -84,12 +84,9 @@ class PlasticLoop:
             lo, hi = self.problem.borders
             if spots.contacts[0, 0] <= lo or spots.contacts[-1, 1] >= hi:
                 return Failure(AT_BORDER, free, at_border=True)
-            fields = PlasticFields(self.problem, free.state, limit=self.limit)
-            found = checked(fields, self.control.load)
+            fields, found = self._checked(free)
             if found.certificate.holds:
-                return SolvedZones(
-                    free, fields, found.certificate, number, self.control, self.tolerance
-                )
+                return self._result(free, fields, found, number)
             table = spots.contacts, spots.plateaus
             if any(all(map(same, table, before)) for before in tried):
                 return Failure(found.certificate.note or "the states did not settle", free)
@@ -100,11 +97,30 @@ class PlasticLoop:
             spots = following
         return Failure("the number of zones and plateaus did not settle", free)
 
-    def moved(self, spots: Spots, start: sie.WarmStart) -> sie.Free:
-        """The contacts and plateaus with ends found by Newton's method; signs are not checked."""
+    def tightened(self, found: SolvedZones) -> SolvedZones | Failure:
+        """The contact `found`, solved from its own zones to the tolerance of this loop."""
+        start = sie.WarmStart(initial_error=found.error, modes_like=found.free.state)
+        free = self.moved(found.free.density.zones, start)
+        if not free.converged:
+            return Failure(f"the zone ends did not settle: {free.reason}", free)
+        fields, check = self._checked(free)
+        if not check.certificate.holds:
+            return Failure(check.certificate.note or "the states did not settle", free)
+        return self._result(free, fields, check, found.rounds)
+
+    def _checked(self, free: sie.Free) -> tuple[PlasticFields, Checked]:
+        fields = PlasticFields(self.problem, free.state, limit=self.limit)
+        return fields, checked(fields, self.control.load)
+
+    def _result(
+        self, free: sie.Free, fields: PlasticFields, found: Checked, rounds: int
+    ) -> SolvedZones:
+        return SolvedZones(free, fields, found.certificate, rounds, self.control, self.tolerance)
+
+    def moved(self, zones: sie.Zones, start: sie.WarmStart) -> sie.Free:
+        """The elastic zones with ends found by Newton's method; signs are not checked."""
         problem = self.problem
         try:
-            zones = spots.zones(problem, self.limit)
             options = sie.NewtonOptions(limits=problem.corners, released_end=problem.end)
             return sie.find_ends(
                 problem.equation(self.control), zones, self.tolerance, options, start

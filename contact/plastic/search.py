@@ -21,7 +21,7 @@ from contact.search.grid.scaling import ScaledScene, scaled_scene
 from contact.search.options import LEAST, SEARCH
 from contact.search.topology.failure import Failure
 from contact.solution.solution import Solution
-from contact.verify.error import SolvedZones
+from contact.verify.error import SolvedZones, limit, position_rounding
 
 
 def found(context: SolveContext) -> SolvedZones:
@@ -82,19 +82,23 @@ def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZ
     The tolerance is lowered as long as the error is above `tol`.
     """
     problem, control = scaled.problem, scaled.control
-    limit = context.scene.law.pressure_range.highest / problem.units.pressure
+    highest = context.scene.law.pressure_range.highest / problem.units.pressure
     # With a looser tolerance, the narrow elastic rims next to plateaus would still move when the
     # ends count as found.
-    loop = PlasticLoop(problem, control, limit, min(context.tolerance, SEARCH.intermediate))
+    loop = PlasticLoop(problem, control, highest, min(context.tolerance, SEARCH.intermediate))
     with context.plan.timed("zone ends"):
         outcome = loop.solved(spots)
         while isinstance(outcome, SolvedZones) and outcome.error > context.tol:
-            if loop.tolerance <= LEAST:
+            if loop.tolerance <= LEAST or _is_rounding(outcome, context.tol):
                 break
             loop = replace(loop, tolerance=max(LEAST, SEARCH.tight_factor * loop.tolerance))
-            assert isinstance(outcome.fields, PlasticFields)
-            better = loop.solved(outcome.fields.spots)
+            better = loop.tightened(outcome)
             if not isinstance(better, SolvedZones) or better.error >= outcome.error:
                 break
             outcome = better
     return outcome
+
+
+def _is_rounding(found: SolvedZones, tol: float) -> bool:
+    """Whether round-off alone moves the ends by so much that no error below `tol` can be stated."""
+    return bool(limit(found.free, tol, "zone", position_rounding(found), found.fields.problem.end))

@@ -296,7 +296,8 @@ class _Condition:
         # The error of the condition is of second order in that of the ends.
         loop = PlasticLoop(self.problem, scaled, self.limit, SEARCH.intermediate**2)
         try:
-            free = loop.moved(self.spots[nearest], sie.WarmStart())
+            zones = self.spots[nearest].zones(loop.problem, loop.limit)
+            free = loop.moved(zones, sie.WarmStart())
         except (sie.SingularSystem, ContactError) as failure:
             raise WrongTopology(str(failure), None) from failure
         if len(free.lost) or len(free.met) or not free.converged:
