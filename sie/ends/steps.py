@@ -284,6 +284,8 @@ def damped(
     outward = np.minimum(options.max_growth * width, room)
     inward = options.max_shrink * width
     if zones.have_values:
+        # The intensity K of an end is linear in the motion over the width of the plateau or gap
+        # beside the end. Without this limit, a plateau far narrower than its zones is lost.
         inward = np.minimum(inward, options.max_growth * gaps)
     plain = np.clip(delta, -inward, outward)
     shift, widens = 0.5 * (delta[1] - delta[0]), 0.5 * delta.sum(axis=0)

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 import sie
+from sie.ends.steps import damped
 from sie.jumps.logarithms import Logarithms
 
 FREE = sie.FREE
@@ -226,3 +227,12 @@ def test_the_field_of_many_plateaus_by_a_tree_is_the_sum_over_their_ends(kernel,
         assert np.all(np.abs(of(fast) - of(slow)) < 1e-12 + allowed)
     assert {"_sums_on_zones", "_sums_on_line"} <= set(vars(fast))
     assert "_sums_on_line" not in vars(slow)
+
+
+def test_a_newton_step_widens_a_narrow_plateau_by_at_most_its_own_width():
+    value = sie.free_with_value(1.0)
+    zones = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0]], [FREE, value], [value, FREE])
+    equation = sie.Equation(sie.cauchy(), PARABOLA, (sie.Total(1.0), sie.EqualPotential()))
+    asked = np.array([[0.0, -0.4], [-0.4, 0.0]])
+    after = zones.moved(damped(zones, equation, asked, sie.NewtonOptions()))
+    assert after.a[1] - after.b[0] == pytest.approx(0.004)
