@@ -100,7 +100,10 @@ class PlasticLoop:
     def tightened(self, found: SolvedZones) -> SolvedZones | Failure:
         """The contact `found`, solved from its own zones to the tolerance of this loop."""
         start = sie.WarmStart(initial_error=found.error, modes_like=found.free.state)
-        free = self.moved(found.free.density.zones, start)
+        try:
+            free = self.moved(found.free.density.zones, start)
+        except sie.SingularSystem as failure:
+            return Failure(f"the equation has no solution on such zones ({failure})", found.free)
         if not free.converged:
             return Failure(f"the zone ends did not settle: {free.reason}", free)
         fields, check = self._checked(free)
