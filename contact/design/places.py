@@ -92,7 +92,7 @@ class Places:
 
     @property
     def _inverse_loads(self) -> Array:
-        """Inverse loads at which the places yield; 0 where the stress does not grow with the load."""
+        """Inverse loads at which the places yield; 0 if the stress does not grow with the load."""
         assert self.first is not None
         below, rise = self._numbers.max() - self._numbers, self._rise
         with np.errstate(divide="ignore", invalid="ignore"):

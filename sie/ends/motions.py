@@ -103,8 +103,8 @@ class SingularDensities(Rows):
     """Direct effect of J motions of ends on the quantities that the side conditions use.
     At fixed unknowns, a motion changes the density by a function that is singular at the end.
 
-    Each matrix has J columns, one for each motion. Integrals with a weight count all modes of the weight,
-    also those beyond the modes of the zone. kept: cache of these modes, by weight and zone.
+    Each matrix has J columns, one for each motion. Integrals with a weight count all modes of the
+    weight, also those beyond the modes of the zone. kept: cache of these modes, by weight and zone.
     """
 
     system: System

@@ -44,9 +44,9 @@ class NewtonOptions:
     max_shrink, max_growth : float
         Damping: largest fraction of its zone by which an end moves inward, or outward, in a step.
         It moves outward by at most the fraction `max_shrink` of the gap next to it. If ends have
-        given values, it moves inward by at most the fraction `max_growth` of this gap. Two ends that
-        face each other must not meet, so `max_shrink` is below 1/2. It is below `max_growth`, so
-        that zones far from the solution become wider on their way and do not stop.
+        given values, it moves inward by at most the fraction `max_growth` of this gap. Two ends
+        that face each other must not meet, so `max_shrink` is below 1/2. It is below `max_growth`,
+        so that zones far from the solution become wider on their way and do not stop.
     forcing, first_solution : float
         Inexact Newton (S. C. Eisenstat and H. F. Walker, SIAM J. Sci. Comput. 17, 1996, 16-32): the
         linear system is solved to `forcing` * step^3, so that its error stays below that of two

@@ -277,7 +277,7 @@ class Logarithms(Kept):
 
     @cached_property
     def _singular(self) -> tuple[Index, Array, Array]:
-        """Logarithms in or near a zone: (numbers of pairs, places of the logarithms, omitted terms).
+        """Logarithms in or near a zone: (numbers of pairs, places of logarithms, omitted terms).
         The pair of zone i and term k has the number i n + k, with the number n of all terms.
         """
         near, zones, count = self.near, self.zones, len(self.at)

@@ -373,7 +373,7 @@ class ForcingJumps(PlacedJumps):
 
     @cached_property
     def _length(self) -> Index:
-        """For each zone, which entry of the tables `far_rho` and `far_terms` of `JumpOptions` holds.
+        """For each zone, which entry of `JumpOptions.far_rho` and `JumpOptions.far_terms` holds.
         The entry depends on the number of jumps in the zone. Where |rho| is below this `far_rho`,
         one series replaces the closed forms of the zone's jumps.
         """

@@ -1,4 +1,4 @@
-"""Cells of the line, on each of which the field of all distant intervals is one Chebyshev series."""
+"""Cells of the line; on each, the field of all distant intervals is one Chebyshev series."""
 
 import numpy as np
 

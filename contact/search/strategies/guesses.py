@@ -346,14 +346,14 @@ class _GridSearch:
             and (full := full_under(context, control))
         ):
             return full
-        table = placed(problem, proposal.zones)
+        table, zones = placed(problem, proposal.zones), counted(len(proposal.zones), "zone")
         found_by_gaps = by_gaps_if_better(
             context,
             problem,
             control,
             width,
             table,
-            strategy=f"gaps between {counted(len(proposal.zones), 'zone')} on {proposal.points} points",
+            strategy=f"gaps between {zones} on {proposal.points} points",
             allow_loss=self.allow_loss,
         )
         if found_by_gaps is not None:
