@@ -1,1 +1,1 @@
-"""What a person writes: profile, material, interaction and control in, a checked scene out."""
+"""Scenes: profile, material, interaction and control come in, a checked scene goes out."""

@@ -18,7 +18,7 @@ from sie import Array
 def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
     """Return `value` as a float if it is a finite real number and `holds` is true for it.
 
-    holds: the property; allowed: the same in words.
+    holds: a function that tests the value; allowed: the tested property in words, for messages.
     """
     try:
         number = (
@@ -53,8 +53,8 @@ def as_array(value: Any) -> NDArray[Any]:
 
 
 def metres(field: str, value: Any) -> Any:
-    """The number of metres of a quantity with a unit, as of the package pint; other values as they
-    are.
+    """Return the value in metres if it is a quantity with a unit (e.g. of the package pint).
+    Other values are returned unchanged.
     """
     if not (hasattr(value, "magnitude") and hasattr(value, "to")):
         return value

@@ -4,16 +4,18 @@ With L(q) the symbol of the body, the kernel is 1/r + m(r) and its primitive ln(
 
     m(r) = int_0^inf (L(q) - 1) sin(qr) dq,    M' = m.
 
-m is odd and M is even in r. On a body with a base (L(0) = 0) the primitive vanishes far away: it is
--int_0^inf L(q) cos(qr) dq / q. On others M(0) = 0, and the user chooses the datum d. The primitive
-N of M gives the displacement of a uniform pressure.
+m is odd and M is even in r. On a body with a base (L(0) = 0) the kernel's primitive vanishes far
+away: it is -int_0^inf L(q) cos(qr) dq / q. On other bodies M(0) = 0, and the user chooses the datum
+d. The primitive N of M gives the displacement of a uniform pressure.
 
-For small r, up to some hundred waves over the range of L - 1, it is a sum of Gauss-Legendre panels
-in q that halve towards 0. For large r it is the double exponential formula of Ooura & Mori (1999),
-J. Comput. Appl. Math. 112, 229-241, doi 10.1016/S0377-0427(99)00223-X, whose nodes run into the
-zeros of the sine. Panels of r double in width until r m(r) has reached its limit L(0) - 1. A
-Chebyshev series of 24 terms in each panel is accurate to rounding: the singularities of m are off
-the real axis or at r = 0.
+For small r, the integral for m(r) is a sum of Gauss-Legendre panels in q that halve towards 0; r is
+small if q r is at most a few hundred for all q at which L - 1 is not negligible. For large r, it is
+computed by the double exponential formula of Ooura & Mori (1999), J. Comput. Appl. Math. 112,
+229-241, doi 10.1016/S0377-0427(99)00223-X, whose nodes tend to the zeros of the sine.
+
+The function m is stored on panels of r that double in width until r m(r) has reached its limit
+L(0) - 1. A Chebyshev series of 24 terms in each panel is accurate to rounding: the singularities of
+m are off the real axis or at r = 0.
 """
 
 from __future__ import annotations
@@ -53,9 +55,10 @@ class SmoothPart:
     as functions of the distance r [m].
 
     first: end of the first panel [m]; the next ones double in width. m, M, N: Chebyshev
-    coefficients (panels, terms), with lengths in units of `first`. limit: r m beyond the last
-    panel. scale: the length in the logarithm, of a body with a base [m]; None without a base.
-    length: distance of the singularities of m from the real axis, roughly [m].
+    coefficients (panels, terms), with lengths in units of `first`. limit: the constant value of
+    r m(r) beyond the last panel. scale: for a body with a base, the length d [m] in the potential
+    ln(r / d) + M(r); None without a base. length: distance of the singularities of m from the real
+    axis, roughly [m].
     """
 
     first: float
@@ -207,7 +210,7 @@ def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
 def _ooura_mori(density: float = 40.0, reach: float = 7.0) -> tuple[Array, Array]:
     """Nodes x and weights w for int_0^inf f(x) sin x dx = sum w f(x), by Ooura and Mori (1999).
 
-    density: half the number of nodes in a unit of their variable. reach: where the sum ends.
+    The formula is a trapezoidal sum in a variable t with the step pi / density, for |t| <= reach.
     """
     h = np.pi / density
     t = h * np.arange(-int(reach / h), int(reach / h) + 1)
@@ -257,7 +260,8 @@ _POINTS, _TO_SERIES = _chebyshev_transform(OPTIONS.nodes)
 def _integrated(series: Array, half: Array) -> Array:
     """Chebyshev series on each panel of a function's primitive, which is 0 at 0.
 
-    series: those of the function; half: half widths of the panels, of which the first begins at 0.
+    series: the Chebyshev series of the function itself; half: half widths of the panels. The first
+    panel begins at 0.
     """
     out, before = np.empty((len(series), series.shape[1] + 1)), 0.0
     for k, (row, width) in enumerate(zip(series, half, strict=True)):

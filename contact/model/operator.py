@@ -1,6 +1,6 @@
 r"""`Operator`: what the pressure does to the surface, from the interaction and the substrate.
 
-All of it follows from the symbol L of the substrate:
+All of its parts follow from the symbol L of the substrate (l is the period, r = x - xi):
 
     kernel        of a line load: 1/r + int (L - 1) sin(qr) dq (contact.model.line_load), alone or
                   with the images of a strip; of all periods: Hilbert's kernel plus
@@ -15,10 +15,11 @@ An interaction of a user may give its own kernel for the pressure and the certif
 symbol of that kernel there is no inverse operator: neither full contact nor the gap formulation is
 offered.
 
-A uniform nominal pressure outside a strip of half width W/2 adds a term to the right side. If it
-acted everywhere, it would displace the surface by 2 pbar c / E*, with c the compression of the
-substrate, or by a mean of 0 without a base. The part inside the strip is given by its potential.
-With y = x - centre, the rest is
+A uniform nominal pressure pbar outside a strip of half width W/2 adds a term to the right side. Its
+displacement is that of pbar on the whole surface minus that of pbar inside the strip. The first
+part is the constant 2 pbar c / E*, with c the compression of the substrate, or 0 without a base.
+The second part follows from the potential Lambda of a line load. So the term of the equation for
+the slope is, with y = x - centre,
 
     (pbar/pi) [Lambda(W/2 + y) - Lambda(W/2 - y)],
 
@@ -71,7 +72,7 @@ class Operator(sie.Kept):
     """The elastic operator: the effect of a pressure on the surface, for an interaction and a
     substrate.
 
-    period: of the solution [m]; None where nothing repeats.
+    period: the period of the solution [m]; None for a contact without a period.
     """
 
     interaction: Interaction
@@ -171,7 +172,7 @@ class Operator(sie.Kept):
         """Distance [m] from a line load at which the surface is not displaced. None if no such
         distance is given; the approach of a contact without a period is then undefined.
 
-        It is for bodies that do not repeat.
+        Only the kernel of a line load uses the datum: the kernel for all periods does not need it.
         """
         return self.smooth_part.scale if self.compression is not None else self.interaction.datum
 
@@ -185,7 +186,7 @@ class Operator(sie.Kept):
     def kernel(self, unit: float) -> sie.Kernel:
         """The kernel of the interaction on the substrate, in scaled lengths.
 
-        If all periods act, the mean of its potential is that of the compression only.
+        If all periods act, the mean of the kernel's potential comes from the compression only.
         """
         period = None if self.period is None else self.period / unit
         if self.is_own:
@@ -374,7 +375,7 @@ def _cells(
     """Mean of a potential over a cell around the distance `lag` [m], from the potential's
     primitive, summed over all images.
 
-    Cells may be wider than the length on which it varies.
+    Cells may be wider than the length over which the potential varies.
     """
     rise = sum(
         (primitive(lag - s + 0.5 * width) - primitive(lag - s - 0.5 * width) for s in poles),

@@ -84,7 +84,7 @@ class Registry:
         """The class registered under a name. For an unknown name, SceneError names the nearest
         known one.
 
-        key: under which the name was written.
+        key: the key of a scene file under which the name was written, for the message.
         """
         if isinstance(name, str) and name not in self._classes:
             self._load_plugins()
@@ -133,8 +133,8 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
 
 
 def parameters(part: Any) -> dict[str, Any]:
-    """The arguments, by name, from which a class makes an equal part.
-    A part is a part of a scene, such as a law.
+    """The arguments, by name, from which the class of `part` makes an equal object.
+    `part` is a part of a scene, such as a law.
     """
     return (
         {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init}

@@ -1,8 +1,8 @@
 """The base class of controls: a control is the one given quantity of a scene.
 
 Most controls give one of the four quantities that the solver can prescribe (`Quantity`). Any other
-grows or falls with the load, and the load that has its value is searched for. A control is a frozen
-dataclass in a file of its own.
+controlled quantity must grow or fall with the load: the solver searches for the load at which the
+quantity has the given value. A control is a frozen dataclass in a file of its own.
 """
 
 from dataclasses import dataclass
@@ -107,7 +107,7 @@ def known_controls(given: Control | None) -> dict[str, type[Control]]:
 def fields_under(name: str, value: float, given: Control | None = None) -> dict[str, Any]:
     """Values of the control fields of a scene with the control `name`; other fields are None.
 
-    given: the present `given` of the scene, if any.
+    given: the control that the scene has in its field `given` now, or None.
     """
     if name in CONTROLS:
         own: dict[str, Any] = {name: value}

@@ -1,9 +1,9 @@
 """Base class of the interaction models: the action of the rest of the surface on the solved zones.
 
-The substrate gives the effect of a line load; a model says whether it acts alone, with all periods,
-or with the images of a strip, and names right-hand-side terms of unknown amplitude and the
-conditions that close them. It works in scaled lengths: `period` and `unit` (metres per scaled
-length) are given to it.
+The substrate gives the effect of a line load. A model says which other loads act with a line load:
+none, its copies in all periods, or its images in copies of a strip. A model may also add terms of
+unknown amplitude to the right side, with conditions that determine the amplitudes. Models work in
+scaled lengths: their methods get `period` and `unit`, the number of metres in a scaled length.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ class Interaction(Named):
     """Base of the interaction models. A model is a frozen dataclass in a file of its own.
 
     All methods work in scaled lengths, whose origin the solver chooses. `columns` and
-    `side_conditions` may depend on loads, widths and slopes. Whatever depends on a place of the
-    profile goes into `placed_columns` and `placed_conditions`, which can convert the place.
+    `side_conditions` may depend on loads, widths and slopes. Terms and conditions that depend on a
+    place of the profile belong in `placed_columns` and `placed_conditions`: these methods get a
+    function that converts the place to scaled lengths.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""One punch, nothing else: equation (6), and (34) for several zones."""
+"""A contact alone: equation (6) of Goryacheva & Tsukanov (2020), or (34) for several zones."""
 
 from dataclasses import dataclass
 

@@ -1,13 +1,14 @@
 """The localization principle of Goryacheva & Tsukanov (2020, doi 10.3389/fmech.2020.00045),
 equation (13).
 
-The zones of one strip are solved exactly, with m copies of the strip on each side kept explicitly;
-beyond the width W = (2m + 1) L only the nominal pressure acts, which adds
+The zones of one strip, of the width of the period L, are solved exactly. The kernel includes m
+copies of the strip on each side. Outside the width W = (2m + 1) L of the strip and its copies, only
+the nominal pressure pbar acts. On a half-plane it adds
 
     (2 pbar / pi) artanh(2 (x - centre) / W)
 
-to the right side on a half-plane (contact.model.operator, for other substrates as well), and to the
-displacement what a uniform pressure on everything but the strip does.
+to the right side; contact.model.operator has the term for other substrates. The displacement
+contains the effect of a uniform pressure pbar outside the width W.
 """
 
 from __future__ import annotations
@@ -36,16 +37,16 @@ class Localized(Interaction):
     Parameters
     ----------
     closure : str
-        What the nominal pressure is. "first-order": the isolated load of the same total width over
-        the period, as in the paper's worked examples; "self-consistent": the load itself over the
-        period.
+        Which load is divided by the period to give the nominal pressure. "first-order": the load of
+        an isolated contact of the same total width, as in the paper's worked examples;
+        "self-consistent": the load of the strip itself.
     neighbours : int
         Copies of the strip kept on each side; above 0 self-consistent only.
 
     Raises
     ------
     SceneError
-        If the closure is not one of these, or the number of neighbours does not go with it.
+        If the closure has another name, or neighbours > 0 are given with "first-order".
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""All periods at once, exactly: equation (5) with the Hilbert kernel."""
+"""All periods, exactly: equation (5) of Goryacheva & Tsukanov (2020), with the Hilbert kernel."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,8 @@ class Periodic(Interaction):
     """A periodic contact: the kernel sums the line loads of all periods. On a half-plane it is
     (pi/L) cot(pi (x - xi)/L), with L the period (Shtaerman 1949).
 
-    The approach counts from min f = 0 and mean u = 0, or from the base of a substrate that has one.
+    The approach counts from min f = 0, with f the profile, and from a mean displacement of 0. On a
+    substrate with a base, displacements count from the base.
 
     Examples
     --------

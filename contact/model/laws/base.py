@@ -1,7 +1,7 @@
 """`Law`, the base of the laws of the interface, and the three objects that the package asks it for.
 
-A law declares how the pressure ends, p ~ K / sqrt(d) at distance d from the end of a zone, and
-answers one question each for the certificate, the search and the solver:
+A law declares the edge intensity K: the pressure is p ~ K / sqrt(d) at the distance d from the end
+of a zone. It answers one question each for the certificate, the search and the solver:
 
     pressure_range   bounds of the pressure in a zone: which signs the certificate checks
     equilibria       one contact for a load, or several, and the law whose contact starts a branch
@@ -49,9 +49,8 @@ class Equilibria:
     If there are several at one value, a branch of equilibria starts from the contact under another
     law (`start`).
 
-    unique: whether a contact with right signs of pressure and gap is the only one. start: if
-    there are several equilibria, the law whose zones lie within those of the growing contact. The
-    branch is followed from the contact under this law.
+    unique: whether a contact with right signs of pressure and gap is the only one. start: if there
+    are several equilibria, a law under which the zones lie within the zones of the growing contact.
     """
 
     unique: bool
@@ -71,8 +70,9 @@ class Routes:
     gaps: whether nothing acts where the bodies do not touch, so that the gaps may be the unknowns.
     full_contact: whether full contact begins when its lowest pressure is zero. module: dotted name
     of a module whose function `found(context)` solves every scene under this law; None for the
-    general search. first: a law whose contact is solved for first, on its own routes. It is the
-    answer if its pressure lies within `pressure_range`; else it is the module's warm start.
+    general search. first: another law. The contact under this other law is solved for first, on the
+    routes of the other law. If its pressure lies within `pressure_range`, this contact is the
+    answer; else it is the module's warm start.
 
     `found` takes a `contact.search.context.SolveContext` and returns an outcome, such as a
     `contact.verify.error.SolvedZones`. Its outcome is final: the solver does not refine it, as the
@@ -90,8 +90,8 @@ class Law(Named, sie.Kept):
     """Base of the laws of the interface. A law is a frozen dataclass in a file of its own.
 
     The attributes below are what most laws declare; the package reads them through
-    `pressure_range`, `equilibria` and `routes`, which a law may override. An attribute that a law
-    leaves out stands for the cautious choice.
+    `pressure_range`, `equilibria` and `routes`, which a law may override. The default value of each
+    attribute is the cautious choice.
 
     Attributes
     ----------
@@ -102,9 +102,9 @@ class Law(Named, sie.Kept):
     pulls : bool
         Whether the pressure may be negative; if not, the certificate checks its sign in every zone.
     convex : bool
-        Whether a contact with right signs of pressure and gap is the only one, so that it grows
-        with the load on every path. Otherwise there is no load path, and no first guess from the
-        pressure on a grid.
+        Whether a contact with right signs of pressure and gap is the only one, so that the zones
+        grow with the load on every path. Otherwise the solver follows no load path and takes no
+        first guess from the pressure on a grid.
     by_gaps : bool
         Whether nothing acts between the bodies where they do not touch, so that nearly full contact
         may be solved by its gaps.
@@ -156,10 +156,8 @@ class Law(Named, sie.Kept):
 
     @cached_property
     def equilibria(self) -> Equilibria:
-        """Whether the equilibrium is unique (`convex`), and the law under which a branch starts.
-        A branch is a sequence of equilibria. It starts from the contact under the law `bare`.
-
-        A branch of equilibria under this law is followed from the contact under `bare`.
+        """Whether the equilibrium is unique (`convex`), and the law `bare` that starts a branch.
+        A branch is a sequence of equilibria; its first contact is the one under the law `bare`.
         """
         return Equilibria(bool(self.convex), self.bare)
 
@@ -172,7 +170,7 @@ class Law(Named, sie.Kept):
         """The edge intensity K [Pa m^(1/2)]: the pressure is K / sqrt(distance) near an end of a
         zone. The law sets K at free ends, and at ends fixed by a given half width.
 
-        It is negative where the surfaces pull.
+        K is negative if the surfaces pull each other at the ends of zones.
         """
         return 0.0
 
@@ -201,7 +199,7 @@ class Law(Named, sie.Kept):
         """Factor kappa in T p + kappa p = (E*/2) f'; 0 without elastic mismatch.
         T is the integral operator of the kernel, p the pressure and f' the slope of the profile.
 
-        With a period, the mean pressure is taken off it: T p + kappa (p - mean p).
+        With a period, the left side is T p + kappa (p - mean p).
         """
         return 0.0
 

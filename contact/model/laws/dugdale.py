@@ -23,8 +23,9 @@ from contact.model.registry import register_law
 class Dugdale(Law):
     """Adhesion of a finite range: a constant stress up to a gap of work/stress.
 
-    Large stresses approach JKR's law, small ones that of a rigid body. The contact may have several
-    equilibria; `contact.solve(scene, branch="advancing" | "receding")` says which one is meant
+    For large stresses the contact tends to that under JKR's law, for small stresses to that of a
+    rigid body. The contact may have several equilibria;
+    `contact.solve(scene, branch="advancing" | "receding")` says which one is meant
     (docs/adhesion.md).
 
     Parameters
@@ -36,8 +37,8 @@ class Dugdale(Law):
 
     Examples
     --------
-    A cylinder under no load: pi E* a^2/4 R = 2 s sqrt(c^2 - a^2), with (a, c) the zone and the end
-    of the tension.
+    A cylinder of radius R under no load: pi E* a^2/(4 R) = 2 s sqrt(c^2 - a^2), with a the half
+    width of the zone, c the distance from the axis to the end of the tension, and s the stress.
 
     >>> import contact
     >>> import numpy as np

@@ -11,7 +11,8 @@ from contact.model.registry import register_law
 class Frictionless(Law):
     """Contact without friction or adhesion: p >= 0 where the bodies touch.
 
-    The pressure vanishes at the ends of zones as the root of the distance: K = 0.
+    Near the end of a zone, the pressure falls to 0 as the square root of the distance from the end:
+    the edge intensity K is 0.
 
     Examples
     --------

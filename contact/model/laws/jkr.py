@@ -33,7 +33,8 @@ class JKR(Law):
 
     Examples
     --------
-    A cylinder under no load, and where it comes off: at -3 (pi E* w^2 R/16)^(1/3).
+    A cylinder of radius R under no load, and the load at which it comes off:
+    -3 (pi E* w^2 R/16)^(1/3), with w the work of adhesion.
 
     >>> import contact
     >>> import numpy as np

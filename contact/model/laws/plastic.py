@@ -4,10 +4,10 @@ Where the pressure reaches the hardness H, the surfaces overlap: there the body 
 
     w = approach - f - u >= 0,
 
-f the profile and u the elastic displacement. The pressure is the one with the least complementary
-energy under 0 <= p <= H, which is unique. It is a law of first loading, without memory: unloading
-begins from the worn profile. B. N. J. Persson's theory and most codes for rough contact use the
-same limit.
+f the profile and u the elastic displacement. Of all pressures with 0 <= p <= H, the pressure is the
+one with the least complementary energy; there is only one such pressure. The law holds for first
+loading and has no memory: for unloading, the plastically deformed profile makes another scene.
+B. N. J. Persson's theory and most codes for rough contact use the same limit.
 """
 
 from dataclasses import dataclass
@@ -83,8 +83,8 @@ class Plastic(Law):
 
 
 def bearing_width(scene: Any) -> float:
-    """Width [m] of the surface that can bear pressure: between sharp corners, or of a period.
-    It is infinite if there are neither.
+    """Width [m] of the surface that can bear pressure.
+    It is the distance between the sharp corners of a punch, else the period, else infinite.
     """
     support, period = scene.profile.support, scene.period
     if support is not None:

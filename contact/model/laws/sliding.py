@@ -5,9 +5,10 @@ If the bodies differ, the shear displaces the surface normally too, and the pres
 
     T p + kappa p = (E*/2) f',    kappa = -direction friction beta,
 
-with Dundurs' constant beta. On a periodic surface the mean of p is taken off the second term, as a
-uniform shear turns nothing. K. L. Johnson, Contact Mechanics, 1985, sects. 2.4 and 7.1, doi
-10.1017/CBO9781139171731; J. Dundurs, J. Appl. Mech. 36 (1969) 650-652.
+with T the integral operator of the kernel and Dundurs' constant beta. On a periodic surface the
+second term is kappa (p - mean p), as a uniform shear causes no slope. K. L. Johnson, Contact
+Mechanics, 1985, sects. 2.4 and 7.1, doi 10.1017/CBO9781139171731; J. Dundurs, J. Appl. Mech. 36
+(1969) 650-652.
 """
 
 from collections.abc import Mapping
@@ -109,8 +110,9 @@ class Sliding(Law):
 
     Examples
     --------
-    A rigid cylinder on an elastic body with nu = 0.3: the zone moves backwards, and the load that
-    makes it so wide is pi alpha (1 - alpha) E* l^2 / R.
+    A rigid cylinder of radius R on an elastic body with nu = 0.3: the zone moves backwards. The
+    load for a zone of half width l is pi alpha (1 - alpha) E* l^2 / R, with
+    alpha = 1/2 - arctan(kappa) / pi.
 
     >>> import contact
     >>> import numpy as np

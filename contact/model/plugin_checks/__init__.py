@@ -1,1 +1,1 @@
-"""A user's own part of a scene in, what is wrong with it out."""
+"""Checks of the parts of a scene that a user wrote: a part comes in, its faults go out."""

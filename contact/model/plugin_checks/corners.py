@@ -1,8 +1,9 @@
 """Corners of a profile: declared kinks against the slope, and corners that nobody declares.
 
-A strong corner is enclosed by halving intervals towards the larger change of the slope. A faint one
-stands out in differences of sixth order, in which smooth parts vanish. A bend that is smooth, only
-sharp, looks like a corner from afar: its jump must stay as the distance shrinks.
+A strong corner is enclosed by halving intervals towards the larger change of the slope. A faint
+corner stands out in differences of sixth order, in which smooth parts vanish. A smooth but sharp
+bend looks like a corner from afar. So a corner counts only if its jump stays the same when it is
+estimated from shorter distances.
 """
 
 from collections.abc import Callable, Iterator
@@ -65,7 +66,7 @@ def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float,
     """Position and slope jump of a corner near s; None if there is no corner.
     They are found from finite differences over shorter and shorter distances h.
 
-    The jump of a bend that is only sharp falls with the distance, that of round-off grows.
+    As h decreases, the jump at a smooth but sharp bend falls, and a jump due to round-off grows.
     """
     least, found = max(64 * EPS * abs(s), BEND_STEP * h), None
     while h > least:

@@ -192,7 +192,7 @@ def _require_call(method: Any, place: str, arguments: tuple[str, ...]) -> None:
         raise SceneError(
             f"{place} is refused: it must be {allowed} ({error})", place, method, allowed
         ) from error
-    except ValueError:  # of functions written in C nothing is known
+    except ValueError:  # the arguments of some functions written in C are unknown
         return
 
 

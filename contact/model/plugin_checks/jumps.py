@@ -1,10 +1,11 @@
 """Jumps of derivatives and algebraic points of a profile, seen from its values.
 
-Jumps of f', f'' and f''' at a place are seen from its two sides. On either side a polynomial goes
-through points s +- h, s +- 2h, ... and is differentiated at s, for a ladder of steps h. Long steps
-reach past what the shape does near s, short ones lose their digits to round-off: the step is chosen
-where two neighbours agree best. A bend that is smooth, only sharp, looks like a jump from afar: a
-jump counts as one only if it stays when seen from as near as round-off permits.
+Jumps of f', f'' and f''' at a place s are estimated from values on its two sides. On either side a
+polynomial goes through the values at distances h, 2h, ... from s and is differentiated at s. The
+step h is halved again and again. Long steps reach past the features of the shape near s, and short
+steps lose digits to round-off: the step is chosen at which two successive estimates agree best. A
+smooth but sharp bend looks like a jump from afar. So a jump counts only if it stays the same when
+it is estimated from shorter distances, as far as round-off permits.
 """
 
 import dataclasses
@@ -31,10 +32,10 @@ class CheckOptions:
     jump: smallest jump of the slope that counts as a kink, relative to the largest slope. Smaller
         changes may be a steep slope. Twice this fraction of a declared power may be missing.
     same: largest relative difference of two values that agree.
-    stands_out: deviation from a smooth function, over the median deviation, above which a place is
-        examined. 16 to 256 find the same corners.
-    slowest_fall: power of the wave number q. L - 1 of a body's symbol L must fall faster for short
-        waves.
+    stands_out: deviation from a smooth function, divided by the median deviation, above which a
+        place is examined. 16 to 256 find the same corners.
+    slowest_fall: exponent n. For short waves, the symbol L of a body must approach 1 faster than
+        q^n, with q the wave number.
     """
 
     points: int = 6
@@ -151,8 +152,8 @@ def slope_jumps(
 ) -> list[tuple[float, float]]:
     """Places and sizes of the jumps of a function `slope` in the interval from lo to hi.
 
-    Intervals of a fine grid are halved towards the larger change, down to `reach`; a change counts
-    if it is not small over `scale`.
+    Intervals of a fine grid are halved towards the larger change, down to about `reach`. A change
+    counts if it exceeds the fraction `CheckOptions.jump` of `scale`.
     """
     cells = 2 * DETAIL.samples
     edges = np.linspace(lo, hi, cells + 1)
@@ -173,7 +174,7 @@ def slope_jumps(
 
 
 def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
-    """Messages about jumps of f'' and f''' that are declared and false, or not declared."""
+    """Messages about jumps of f'' and f''' that are falsely declared or not declared."""
     jumps = np.asarray(profile.jumps)
     if jumps.ndim != 2 or jumps.shape[1] != 3 or not np.isin(jumps[:, 1], (2, 3)).all():
         yield (

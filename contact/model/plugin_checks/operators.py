@@ -1,13 +1,13 @@
 """Check that a user's interaction or substrate is one elastic body.
 
-An interaction gives an elastic operator in several forms that must agree. The kernel must be one of
-x - xi alone and odd: what a load at one place does at another it does from there as well. It must
-scale with the unit of length, be the derivative of its own potential, and repeat with the period or
-not at all. A symbol must be that of the kernel. Each claim is tested at a few places.
+An interaction gives an elastic operator in several forms that must agree. The kernel must be an odd
+function of x - xi alone: a load at xi acts on x as a load at x acts on xi. The kernel must scale
+with the unit of length, be the derivative of its own potential, and repeat with the period or not
+at all. A declared symbol must be that of the kernel. Each claim is tested at a few places.
 
-A substrate gives the symbol of an elastic body. It must be real, finite and of the shape of q, from
-waves of the length of a planet to those of an atom; above zero; 1 for short waves; and for long
-ones as the `compression` says.
+A substrate gives the symbol of an elastic body. The symbol must be real, finite and of the shape of
+q, for wavelengths from the size of an atom to that of a planet. It must be above zero, 1 for short
+waves, and for long waves it must agree with the `compression`.
 """
 
 from __future__ import annotations
@@ -241,7 +241,8 @@ def _require_fast(values: Array) -> None:
     # `k` is the index of the largest wavenumber at which L - 1 is well above round-off.
     digits = np.flatnonzero(rest > 2**16 * EPS)
     k = int(digits[-1]) if len(digits) else 0
-    if k == 0 or rest[-1] >= 0.9 * rest[k // 2]:  # another limit is another fault
+    # If L does not tend to 1 at all, `require_body` reports this as another fault.
+    if k == 0 or rest[-1] >= 0.9 * rest[k // 2]:
         return
     power = -np.inf
     if rest[k - 1] > 0:

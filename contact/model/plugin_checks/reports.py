@@ -1,4 +1,4 @@
-"""Reports on users' profiles and substrates: every claim of one is compared with its values.
+"""Reports on users' profiles and substrates: each declaration is compared with values.
 
 The claims of a profile (slope, period, symmetry, kinks, tips, conjugate) are compared with its
 height, those of a substrate with its symbol.
@@ -81,7 +81,8 @@ def check_profile(
     profile : Profile
         The profile.
     window : (float, float) or None
-        Where to look [m]; None: its support, extent, cell or a length among its fields.
+        Interval that is checked [m]; None: the profile's support, extent or cell, or an interval
+        about 0 with a length among its fields.
     raises : bool
         Whether a fault is raised, or only reported.
 
@@ -122,7 +123,7 @@ def check_profile(
             faults += [f for f in found if not f.startswith("note: ")]
             notes += [f.removeprefix("note: ") for f in found if f.startswith("note: ")]
             if faults and what in ("declarations", "values"):
-                break  # the rest would only repeat it
+                break  # further checks would fail for the same reason
         if profile.slope_is_derived:
             notes.append(
                 "slope(x) is derived from the height: a closed form is faster and more accurate"

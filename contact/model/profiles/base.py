@@ -50,10 +50,7 @@ def is_of_package(profile: "Profile") -> bool:
 
 
 def read_from(name: str) -> Any:
-    """A property that returns the attribute `name`, e.g. "profile.x" for `self.profile.x`.
-
-    An example is `read_from("profile.support")`.
-    """
+    """A property that returns the attribute `name`, e.g. "profile.x" for `self.profile.x`."""
     return property(attrgetter(name))
 
 
@@ -141,7 +138,7 @@ class Profile(Named, sie.Kept):
         """Jumps of the second and third derivatives in the cell. Each row is the position s, the
         order n = 2 or 3, and the jump f^(n)(s+) - f^(n)(s-).
 
-        They need not be declared; those that are cost no accuracy and few modes.
+        Jumps need not be declared. A declared jump costs no accuracy and few further unknowns.
         """
         return np.empty((0, 3))
 
@@ -212,10 +209,8 @@ class Profile(Named, sie.Kept):
 
     @property
     def exact_places(self) -> bool:
-        """Whether `slope(x)` is accurate for the floating-point number x as given. Otherwise it has
-        the round-off of x / period.
-
-        If it is, the product of a wave number and x loses no digit, for example.
+        """Whether `slope(x)` is accurate for the floating-point number x as given. Otherwise the
+        slope has the error that the round-off of x / period causes.
         """
         return False
 
@@ -300,9 +295,10 @@ class Profile(Named, sie.Kept):
         return None
 
     def unit_sums(self, name: str, x: Array, heights: Array, slopes: Array) -> Array | None:
-        """The sums of weights times heights and slopes at places x of each profile of `unit_of`.
+        """For each profile of `unit_of`, a weighted sum of its heights and slopes at places x.
 
-        None if they are not known for all entries at once.
+        heights, slopes: the weights of the heights and of the slopes. None if there is no method
+        that computes the sums for all entries at once.
         """
         return None
 

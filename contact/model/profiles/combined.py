@@ -1,9 +1,9 @@
 """Two rough bodies face to face: the gap at zero load is f(x) = f1(x) + f2(x - shift).
 
 The contact of two elastic bodies depends on their gap and on E* alone (K. L. Johnson, Contact
-Mechanics, 1985, doi 10.1017/CBO9781139171731, section 4.1): two rough faces are one, of the sum of
-their heights, on a flat one. Each f grows away from contact: heights of both bodies are counted
-towards the other body.
+Mechanics, 1985, doi 10.1017/CBO9781139171731, section 4.1): two rough faces act as one rough face
+on a flat one, whose heights are the sum of the two heights. f1 and f2 grow away from contact:
+heights of each body are counted towards the other body.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -31,20 +31,22 @@ class Combined(Profile):
     """Two bodies that face each other, as one profile. It is f(x) = profile.f(x) + counter.f(x -
     shift).
 
-    The period is that after which both repeat; if only one has a period, there is none.
+    The period is the shortest one after which both bodies repeat. If one body has no period, the
+    pair has none.
 
     Parameters
     ----------
     profile : Profile
         One body, alone: the gap [m] over a flat counter-face.
     counter : Profile
-        The other body in the same way, as if it were pressed on a flat; its x runs in the direction
-        of the first's.
+        The other body in the same way, as if it were pressed on a flat. Its x runs in the same
+        direction as the x of the first body.
     shift : float
-        How far the counter body stands to the right [m]: its x = 0 is at this x.
+        How far the counter body stands to the right [m]: its own x = 0 is at x = shift.
     mirrored : bool
-        Whether its x runs against that of the first, as that of a trace does which was read left to
-        right with that body's face in view, and is then turned over like a page.
+        Whether the x of the counter body runs against the x of the first body. This is so for a
+        trace that was read from left to right with the counter body's face in view: to face the
+        first body, it is turned over like a page.
 
     Raises
     ------

@@ -2,11 +2,13 @@
 
 Complex step: f'(x) = Im f(x + ih)/h, exact to round-off for analytic f (W. Squire & G. Trapp 1998,
 doi 10.1137/S003614459631241X). It is wrong for a height that takes |x| or drops the imaginary part.
-So it is used only where the rise of the height does not contradict its integral (`verdicts`).
+So it is used only if the rise of the height does not contradict the integral of this slope
+(`verdicts`).
 
 Otherwise central differences are extrapolated (L. F. Richardson 1911, doi 10.1098/rsta.1911.0009).
-Each place has its own step: the best of those that agree with all shorter steps to within round-off
-(O. V. Lepski 1991, doi 10.1137/1135065). Values far from a place do not matter to it.
+Each place has its own step: the best of the steps whose results agree with the results of all
+shorter steps to within round-off (O. V. Lepski 1991, doi 10.1137/1135065). So the slope at a place
+does not depend on values far from it.
 """
 
 import warnings
@@ -200,7 +202,8 @@ def complex_value(function: Function, z: NDArray[Any]) -> NDArray[Any] | None:
 class Verdicts:
     """Result at each place: whether the heights contradict a slope, and whether they confirm it.
 
-    discrepancy: difference over the rise, on the interval that shows a contradiction best.
+    discrepancy: the difference between the heights and the integral of the slope, divided by the
+    rise of the height, on the interval where it is largest; 0 without a contradiction.
     claimed, seen: the mean slope on this interval, from the slope and from the height.
     """
 
@@ -288,7 +291,8 @@ def differences(
     """The slope f' at places (n,) by central differences, each with its best step, and the
     round-off error of f'.
 
-    Places side by side share their estimate of round-off: a height near its tip does not show it.
+    Neighbouring places share one estimate of round-off: a height near 0, as at a tip, does not show
+    the round-off of the terms from which it is computed.
     """
     order = np.argsort(x)
     best, doubt = np.empty(x.shape), np.empty(x.shape)
@@ -336,9 +340,9 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
     """For each place (column), the best value in a run of successive steps (rows) whose values
     agree to within noise; and the noise of this best value.
 
-    It is the first run that is long enough, else the longest: agreement at wide steps only is an
-    alias. The best value is the last but one before noise grows or the run ends, as the last one
-    may be wrong by as much as its noise.
+    The run is the first one that is long enough, else the longest one: if values agree only for
+    wide steps, they may be wrong (aliasing). The best value is the last but one before noise grows
+    or the run ends, as the last value may be wrong by as much as its noise.
     """
     n = values.shape[1]
     best, doubt = np.full(n, np.nan), np.full(n, np.inf)

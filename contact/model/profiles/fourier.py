@@ -80,7 +80,8 @@ class Fourier(Profile):
             return None
         count = np.size(self.cosine)
         turns = 2j * pi * (np.asarray(self.wrap(x), dtype=float)[:, None] / self.period)
-        # The numbers of harmonics are k = r + s q: one matrix product sums over x for all of them.
+        # The number of a harmonic is split, k = r + s q. So one matrix product gives the sums over
+        # x for all k.
         s = ceil(sqrt(count))
         low, high = np.exp(turns * np.arange(1, s + 1)), np.exp(turns * s * np.arange(s))
         of_height, of_slope = (
@@ -128,8 +129,8 @@ def _is_long(harmonics: int) -> bool:
     """Whether a sum of `harmonics` terms has so many terms that a grid is faster.
     The sum is then computed on the grid and interpolated.
 
-    The grid takes `WIDTH` exponentials a point, a direct sum takes the root of the number of
-    harmonics.
+    At each point, the grid takes `WIDTH` exponentials. A direct sum takes about as many as the
+    square root of the number of harmonics.
     """
     return harmonics >= WIDTH * WIDTH
 

@@ -18,7 +18,7 @@ class Parabola(Profile):
     meet.
 
     The line contact of H. Hertz (J. reine angew. Math. 92, 1882, 156, doi
-    10.1515/9783112342404-004): a = sqrt(4 P R / (pi E*)).
+    10.1515/9783112342404-004): the half width under the load P is a = sqrt(4 P R / (pi E*)).
 
     Parameters
     ----------

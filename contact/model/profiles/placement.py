@@ -51,7 +51,7 @@ class PlacedBody:
     def own_x(self, x: Array, slack: Array) -> Array:
         """Coordinates of the body itself, from coordinates x common to both bodies.
 
-        Those that round-off has put just outside its ends are moved back.
+        Coordinates that round-off has put just outside the body are moved onto its ends.
         """
         at = np.asarray(self.shift - x if self.mirrored else x - self.shift)
         ends = self.body.support or (self.body.extent if self.body.period is None else None)
@@ -66,7 +66,7 @@ class PlacedBody:
         """The body's algebraic points as rows, in the coordinate x common to both bodies.
         A row holds the place, the exponent, and the coefficients on the left and on the right.
 
-        Places are in the coordinate x common to both bodies. A mirror exchanges left and right.
+        A mirror exchanges left and right.
         """
         columns = [0, 1, 3, 2] if self.mirrored else slice(None)
         rows = np.array(self.body.algebraic_points, dtype=np.float64)[:, columns]
@@ -173,7 +173,7 @@ def _supports(
     """Intervals between sharp corners in which both bodies exist; None if neither body has
     corners.
 
-    They are those of one period, or all.
+    With a common period, these are the intervals of one period; otherwise all of them.
     """
     found = [
         (one.window(one.body.support), one.body.period)

@@ -214,8 +214,8 @@ class Sampled(Profile):
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
     warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
     units = {"period": "m", "lambda_s": "m", "lambda_c": "m", "taper": "1"}
-    # The points as read from a file, and the preparation of these points. It is None for points
-    # that come from no file.
+    # A pair: the points as read, and the preparation of these points. None for points that were not
+    # prepared.
     source: ClassVar[tuple[Any, Any] | None] = None
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:

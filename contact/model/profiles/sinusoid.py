@@ -17,8 +17,8 @@ class Sinusoid(Profile):
     """f = amplitude (1 - cos(2 pi x/period)). The amplitude is half the height from valley to
     peak.
 
-    In full contact above the mean pressure pi E* amplitude / period (H. M. Westergaard, J. Appl.
-    Mech. 6, 1939, A49, doi 10.1115/1.4008919).
+    The contact is full above the mean pressure pi E* amplitude / period (H. M. Westergaard, J.
+    Appl. Mech. 6, 1939, A49, doi 10.1115/1.4008919).
 
     Parameters
     ----------

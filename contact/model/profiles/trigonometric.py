@@ -1,9 +1,11 @@
 """Long trigonometric sums at any points, by a fast Fourier transform onto a finer grid.
 
-Re sum_k c_k exp(2 pi i k x) is a smooth function on the grid of n > 4 K points, convolved with the
-short kernel psi(d) = exp(b (sqrt(1 - d^2) - 1)), d in half widths of W/2 cells, once c_k has been
-divided by the transform of psi. W = 16 leaves an error of 1e-15. A. H. Barnett, J. Magland & L. af
-Klinteberg (2019), SIAM J. Sci. Comput. 41, C479-C504, doi 10.1137/18M120885X.
+The sum Re sum_k c_k exp(2 pi i k x) over k = 1 ... K is computed in three steps. The c_k are
+divided by the Fourier transform of a short kernel psi; the result is transformed to a grid of
+n > 4 K points; the values on the grid are convolved with psi. This kernel is
+psi(d) = exp(b (sqrt(1 - d^2) - 1)), with d the distance in units of W/2 grid cells. W = 16 leaves
+an error of 1e-15. A. H. Barnett, J. Magland & L. af Klinteberg (2019), SIAM J. Sci. Comput. 41,
+C479-C504, doi 10.1137/18M120885X.
 """
 
 from functools import lru_cache
@@ -65,7 +67,7 @@ class Sum:
         """Values (m,) of the sum at the places turns + rest, counted in periods.
         `rest` is the round-off of `turns`, if it is known.
 
-        Sums of many terms need it.
+        Sums of many terms need `rest`.
         """
         out = np.empty(turns.size)
         for start in range(0, turns.size, BLOCK):
@@ -91,7 +93,7 @@ def coefficients(weights: Array, turns: Array, count: int) -> Complex:
     """The sums over j of w_j exp(-2 pi i k x_j) for k = 1 ... `count`.
     Here w_j are the `weights` (m,), and x_j are the places `turns` (m,), counted in periods.
 
-    It is the transpose of `Sum`, accurate to 1e-15 sum |w_j|.
+    This is the transpose of evaluating a `Sum`. The error is about 1e-15 sum |w_j|.
     """
     n = 1 << int(np.ceil(np.log2(4 * (count + 1))))
     place = turns * n
