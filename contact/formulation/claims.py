@@ -1,15 +1,17 @@
-"""Check of what a user's profile claims about itself against its heights.
+"""Check of the properties that a user's profile declares, against its heights.
 
 Checked are the slope, the jumps at kinks, symmetry, period and summits. Over a panel between
-declared breakpoints the height rises by the integral of the slope. The two are compared. Where
-they differ by more than the rounding of the heights and the error of the quadrature, the difference
-over the integral of |f'| is the relative error of the slope. Pressures and ends follow it, so it is
-added to the stated error. A common factor of the slope is fitted over all panels. Smaller errors of
-the slope are not seen: those below some ten times the round-off of the heights over their range.
+declared breakpoints the height rises by the integral of the slope f'. The rise and the integral are
+compared. Where they differ by more than the rounding of the heights and the error of the
+quadrature, the difference divided by the integral of |f'| is the relative error of the slope. This
+error changes pressures and ends in proportion, so it is added to the stated error. A factor common
+to the slope on all panels is fitted as well. An error of the slope is not seen if it is below some
+ten times the round-off of the heights, divided by their range.
 
-Quadrature also fails on a panel with an undeclared corner. So a panel is divided, and only a
-difference that remains without two parts of it counts as an error of the slope. Undeclared corners
-inside zones show in the residual, those of full contact in the series of the slope
+Quadrature also fails on a panel with an undeclared corner. So the panel is divided into parts, and
+the two parts with the largest differences are left out. Only a difference that remains on the
+other parts counts as an error of the slope. Undeclared corners inside zones show in the residual of
+the equation; in full contact they show in the Fourier series of the slope
 (contact.formulation.conjugate).
 
 The package's own profile classes are not checked here: their tests check them.
@@ -105,8 +107,8 @@ def _interval(profile: Profile, zones: Array | None) -> tuple[float, float] | No
 def _checked(profile: Profile, interval: tuple[float, float], zones: Array | None) -> Claims:
     lo, hi = interval
     panels = _resolved(profile, _Panels.of(profile, *_panels(profile, lo, hi)))
-    # Slopes below this, as on the far flanks of narrow bumps, are zero in any sum with those in
-    # contact.
+    # Slopes below `least`, as on the far flanks of narrow bumps, are lost in the round-off of sums
+    # that contain the slopes in contact.
     least = EPS * (panels.largest if zones is None else _steepest(profile, zones))
     mismatch, limit = max(
         _mismatch(profile, panels, least), _common_mismatch(profile, panels, least)
@@ -129,7 +131,7 @@ def _steepest(profile: Profile, zones: Array) -> float:
 def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
     """Left ends and right ends (n,) of panels that contain no declared breakpoint.
 
-    They cover the interval, or are spread evenly over it where that takes too many.
+    They cover the interval. If this would take too many panels, they are spread evenly over it.
     """
     length, options = hi - lo, OPTIONS
     resolution = profile.resolution
@@ -175,12 +177,13 @@ def _rules(count: int) -> tuple[Array, Array]:
 
 
 def _rounding(heights: Array, steepness: Array) -> Array:
-    """Round-off of the heights in each panel: of the largest height, plus four times the noise.
+    """Round-off of the heights in each panel: that of the largest height, plus 4 times the noise.
 
-    Rows of `heights` (8, n) are seven places at the first end of a panel, and the second end. Rows
-    of `steepness` (2, n) are |f'| next to the first end, and its largest value. Noise is relative
-    to the heights or, where places are rounded, to |f'|. Both ratios are medians over all panels,
-    and the larger noise counts: heights far away may have much larger noise.
+    The rows of `heights` (8, n) belong to seven places at the first end of a panel, and to its
+    second end. The rows of `steepness` (2, n) are |f'| next to the first end, and the largest |f'|
+    of the panel. Noise is proportional to the heights or, where places are rounded, to |f'|. The
+    ratio of noise to height, and that of noise to |f'|, are medians over all panels. The larger of
+    the two noises counts: heights far away may have much larger noise.
     """
     largest = np.abs(heights).max(axis=0, initial=0.0, where=np.isfinite(heights))
     seen = np.nan_to_num(deviations(heights[:-1]), posinf=0.0, neginf=0.0) / MEDIAN

@@ -138,9 +138,9 @@ class Conjugate(sie.Kept):
     def _of_bodies(self) -> "Transform":
         """The transform H f' of a profile made of two bodies: the sum of both bodies' transforms.
 
-        Each body has its own period.
-
-        Logarithms that repeat within the common period become those of the shorter period.
+        Each body has its own period. So the logarithmic term of a kink, which `smooth` leaves out,
+        has the period of its body. It is the sum of the logarithmic terms, of the common period,
+        of all repetitions of the kink.
         """
         profile = self.profile
         parts = {place: Conjugate(body)._transform for place, body in profile.bodies.items()}
@@ -405,9 +405,9 @@ class PeriodicPoles:
     A pole with distance eta from the line is stored as tanh(pi eta/L) and a coefficient, L the
     period.
 
-    Poles farther than half a period from the line stay in the series.
-    With s = sin(pi y/L), k = cos(pi y/L), T = tanh(pi eta/L): cot(pi (y - i eta)/L) = (s k (1 -
-    T^2) + i T) / (s^2 + k^2 T^2).
+    Poles farther than half a period from the line stay in the series. The term of a pole at the
+    distance y along the line, with s = sin(pi y/L), k = cos(pi y/L) and T = tanh(pi eta/L), is
+    cot(pi (y - i eta)/L) = (s k (1 - T^2) + i T) / (s^2 + k^2 T^2).
     """
 
     length: float

@@ -5,7 +5,8 @@ which is zero far from the line:
 
     R(z) = (1/L) int f'(xi) cot(pi (z - xi)/L) dxi,       R(x + i0) = H f' - i f'.
 
-With w = exp(2 pi i (z - s)/L), the parts of f' (contact.formulation.conjugate) have
+With w = exp(2 pi i (z - s)/L) and y = x - s on the line, the parts of the slope f' (left; see
+contact.formulation.conjugate) contribute to R (right)
 
     jump J of f' at s       (J / pi) ln(1 - w)
     piecewise quadratic     the sum over its pieces (sie.PiecewiseTransform)
@@ -32,7 +33,7 @@ Pair = tuple[Complex, Complex]
 class ContinuedSlope(sie.Kept):
     """The transform R(z) of the slope of a periodic profile and its derivative R'(z).
 
-    The sum of both bodies, if the profile has two.
+    If the profile is made of two bodies, it is the sum of both bodies' transforms.
     """
 
     def __init__(self, profile: Profile) -> None:

@@ -77,8 +77,9 @@ class Control:
     ) -> Conditions:
         """Side conditions on slope and ends of gaps, if the slope of the gap is the unknown.
 
-        The amplitude of column 0 is the mean pressure. mean_height: mean of the profile above its
-        lowest place. compression: mean displacement for a unit of mean pressure.
+        The mean pressure is the unknown amplitude of the equation's column 0. mean_height: mean of
+        the profile above its lowest place. compression: mean displacement for a unit of mean
+        pressure.
         """
         raise NotImplementedError
 

@@ -4,7 +4,8 @@ In contact u = approach - f. The integral over a zone is taken in the angle thet
 half cos(theta). In this variable the square roots of p at the ends are smooth, and evenly spaced
 angles are as exact as the series of p. If f or one of its derivatives jumps in the zone, Gauss
 panels between the jumps are used instead. Their nodes crowd at the ends of panels, so that
-logarithms cost no digits. The number of nodes is doubled until the integral no longer changes.
+logarithmic terms of p there cost no digits. The number of nodes is doubled until the integral no
+longer changes.
 """
 
 from collections.abc import Callable

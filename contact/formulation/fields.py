@@ -31,7 +31,7 @@ class FieldOptions:
     # Distance from the zones, divided by their total span, up to which the gap is sampled closely.
     # Farther out, the samples are spaced logarithmically, up to the span divided by round-off.
     far_from: float = 1e3
-    guess_tolerance: float = 1e-4  # of rates that only start a search
+    guess_tolerance: float = 1e-4  # tolerance of derivatives that serve only as first guesses
 
 
 OPTIONS = FieldOptions()
@@ -79,10 +79,11 @@ def moved_ends(
     """Derivatives (2, Z) of the zones' ends, outward, by the value of a side condition.
     They are 0 for fixed ends.
 
-    A derivative is 2 K / A, with the intensity K of the response and the edge slope A, as in a
-    Newton step. For ends of prescribed intensity it follows from their rates. response: the
-    solution for a unit of the condition's value, if it is known already. tolerance: tolerance of
-    the iteration that finds the response.
+    A derivative is 2 K / A, as in a Newton step. K is the intensity of the response, and A is the
+    edge slope: at the distance d from an end, the pressure contains A sqrt(d). If the intensities
+    are prescribed, `sie.end_motions` gives the derivatives. response: the solution for a unit of
+    the condition's value, if it is known already. tolerance: tolerance of the iteration that finds
+    the response.
     """
     zones = state.density.zones
     response = state.response(state.values(condition), tolerance) if response is None else response
@@ -94,8 +95,9 @@ def moved_ends(
 def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
     """Derivatives (2, Z) of the ends, outward, by c at c = 0, for density `on` + c `density`.
 
-    The derivative for an end is 2 K / A, with the intensity K of `density` and the edge slope A of
-    `on`. With kappa the factor is not 2 (`sie.basis.weight`). For a fixed end the derivative is 0.
+    The derivative for an end is 2 K / A. At the distance d from the end, `density` contains K /
+    sqrt(d), and `on` contains A sqrt(d). With kappa (bodies that slide and differ elastically), the
+    factor is not 2 (`sie.basis.weight`). For a fixed end the derivative is 0.
     Both densities are on the same zones. The ends have no prescribed intensities.
     """
     with np.errstate(divide="ignore", invalid="ignore"):

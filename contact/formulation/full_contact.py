@@ -1,9 +1,9 @@
-r"""Full contact of a periodic profile, where it begins, and surfaces that do not touch.
+r"""Full contact of a periodic profile, its onset, and surfaces that do not touch.
 
 The pressure is p = pbar - (E*/2) R, with the mean pressure pbar and the relief R of the profile f.
 The Fourier terms of R are R_q = q f_q / L(q), with L the symbol of the operator
-(contact.formulation.relief). Full contact is possible if p is nowhere negative. It is unknown for a
-model without a symbol. A concave kink makes R infinite, so that no load closes the gap over it. As
+(contact.formulation.relief). Full contact is possible if p is nowhere negative. For a model without
+a symbol, R is unknown. A concave kink makes R infinite, so that no load closes the gap over it. As
 the load grows, that gap becomes narrower than numbers resolve. The rest of the contact is then as
 in full contact.
 """

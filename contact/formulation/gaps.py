@@ -13,9 +13,10 @@ at free ends. In nearly full contact the unknowns are few, however narrow the ga
 equation (5); see docs/theory).
 
 Where f' jumps inside a gap, at a concave kink, s jumps as much, and R has a logarithm there
-(sie.jumps.density). Around a single such valley R = C + (J/pi) ln|2 sin(pi y/l)| with J < 0. If C
-is constant, the gap is |y| < w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): no load closes it, and a
-moderate load makes it narrower than any number.
+(sie.jumps.density). With a jump J < 0 of f', the period l and the distance y from the kink, R is
+C + (J/pi) ln|2 sin(pi y/l)| around a single kink. If C is constant, the gap is |y| < w = (l/pi)
+exp(-pi (2 pbar/E* - C)/|J|): no load closes it, and a moderate load makes it narrower than the
+smallest floating-point number.
 """
 
 from __future__ import annotations
@@ -44,9 +45,9 @@ from sie import Array, Complex, Index, record
 class GapFields(NoPlateaus, sie.Kept):
     """Fields of a periodic contact whose unknown is the slope of the gap on the gaps.
 
-    mean: scaled mean pressure. relief: R divided by the unit of slope, as a function of scaled x.
-    Pickles and copies leave out `state` with its matrices; members that depend on it are computed
-    before.
+    mean: scaled mean pressure. relief: the relief R (head of this file) divided by the unit of
+    slope, as a function of scaled x. Pickles and copies leave out `state` with its matrices;
+    members that depend on `state` are computed before.
     """
 
     problem: Problem
@@ -109,9 +110,9 @@ class GapFields(NoPlateaus, sie.Kept):
         return value / (1 + kappa**2) if kappa else value
 
     def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
-        """Scaled pressure in zones, at distances from both ends that are divided by the half width.
+        """Scaled pressure in zones at places given by their distances from both ends.
 
-        The distances are divided by the half width of the zone.
+        left, right: the distances, divided by the half width of the zone.
         """
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
@@ -275,9 +276,9 @@ class GapFields(NoPlateaus, sie.Kept):
     def steepest(self) -> float:
         """Largest slope of the scaled pressure between samples inside zones.
 
-        Samples next to ends are left out: there the pressure goes like the square root of the
-        distance from the end, and moves with the end. Next to tips the slope is infinite, so these
-        samples are left out as well.
+        Samples next to ends are left out: there the pressure is proportional to the square root of
+        the distance from the end, so that its slope is unbounded. Next to tips the slope is
+        infinite, so the samples there are left out as well.
         """
         x, value = self.samples
         bears = value > 0

@@ -1,8 +1,9 @@
 """Check for heights whose round-off is large enough to contradict the slope.
 
 An example is cosh(x) - 1 near x = 0. Over an interval the height rises by the integral of the
-slope. A difference of the two is round-off if it does not grow on far wider intervals, where the
-rise is larger. If height and slope are not of one function, it grows with the interval.
+slope. A difference between the rise and the integral is round-off if it does not grow on far wider
+intervals, where the rise is larger. The difference grows with the interval if the slope is not the
+derivative of the height.
 """
 
 import math

@@ -1,6 +1,7 @@
 r"""Sliding of elastically different bodies: what kappa adds to the equations of a contact.
 
-In scaled variables, with p the pressure, P its total, L the period and lambda = kappa P / L,
+In scaled variables, with p the pressure, T p its transform with the kernel, P its total, g the
+scaled slope of the profile, L the period and lambda = kappa P / L,
 
     T p + kappa p = g + lambda    on the zones (lambda = 0 without a period).
 
@@ -9,15 +10,16 @@ With V the potential of p and Q(x) its integral up to x, the surface is displace
     u = -V + lambda x - kappa Q + c.
 
 The constant c makes the mean of u zero over a period: c = kappa P / 2 - kappa M / L, with the
-moment M of p about x = 0. Without a period M / L is left out. Then a load displaces the places at
-equal distances on both sides by opposite amounts, so that the datum keeps its meaning.
+moment M of p about x = 0. Without a period M / L is left out. Then the shear part c - kappa Q of u
+has opposite values on both sides of the contact, so that the datum of u keeps its meaning.
 
 On the gaps of a periodic contact the slope s of the gap obeys
 
     T s - kappa s = (1 + kappa^2) (R - mean p),    R = (H f' - kappa f') / (1 + kappa^2),
 
 and the pressure of the zones is p = mean p - R + T s / (1 + kappa^2). H is the Hilbert transform.
-It follows from H p + kappa (p - mean p) = f' - s on the whole period, times kappa - H.
+On the whole period, H p + kappa (p - mean p) = f' - s. Both equations follow if the operator
+kappa - H is applied to this one.
 """
 
 from collections.abc import Callable

@@ -1,14 +1,15 @@
 """`Problem`: a scene as a scaled integral equation.
 
-Lengths are counted in `length`, slopes in `slope`, pressures in E* slope / 2. Equations (5) and (6)
-become (1/pi) PV int phi K = f' / slope =: g. With F = f / (slope length), the potential V of phi
-and the columns C,
+Lengths are in units of `length`, slopes in units of `slope`, pressures in units of E* slope / 2
+(`Units`). Equations (5) and (6) of docs/theory become (1/pi) PV int phi K = f' / slope =: g for the
+scaled pressure phi. With F = f / (slope length), the potential V of phi, and terms C (columns) of
+amplitude lambda,
 
     V - lambda C - F = level on every zone,    level = -approach / (slope length).
 
-Where the moment is given, the tilt is an unknown amplitude. Then F is the profile at a first guess
-of the tilt, and the column C = -x, of slope -1, turns the body by the rest. x counts from x = 0,
-where the approach is measured.
+If the moment is given, the tilt is unknown. Then F is the profile at a first guess of the tilt. The
+column C = -x, whose slope is -1, turns the body by the rest of the tilt, which is its amplitude.
+The body turns about x = 0, where the approach is measured.
 """
 
 from __future__ import annotations
@@ -48,10 +49,11 @@ def minus_one(x: Array) -> Array:
 class Problem(sie.Kept):
     """Profile, interaction, substrate and law in scaled variables.
 
-    centre: centre of the strip. amplitude: amplitude of the strip's column, if it is given; then
-    the column belongs to the right side. reference: whether this is a single strip of a profile
-    that repeats; its zones may cross the border of the cell and end at the borders of the strip.
-    moment: scaled moment about x = 0; None if the tilt is not an unknown.
+    centre: centre of the localized model's strip. amplitude: amplitude of the strip's column (the
+    nominal pressure outside the strip) if it is given; then the column belongs to the right side.
+    reference: whether this is a single strip of a profile that repeats; its zones may cross the
+    border of the cell and end at the borders of the strip. moment: scaled moment about x = 0; None
+    if the tilt is not an unknown.
     """
 
     profile: Profile
@@ -111,7 +113,7 @@ class Problem(sie.Kept):
         return (max(lo, self.cut[0]), min(hi, self.cut[1])) if self.reference else (lo, hi)
 
     def position(self, place: float) -> float:
-        """The place on the profile [m], in its cell, of a scaled place; 0 within round-off."""
+        """A scaled place in metres, moved into the profile's cell; 0 within round-off."""
         x = float(self.profile.wrap(self.units.x(np.array(place))))
         return x if abs(x) > ROUND_OFF * self.units.length else 0.0
 
@@ -132,8 +134,8 @@ class Problem(sie.Kept):
     def borders(self) -> tuple[float, float]:
         """Scaled ends of the interval in which the profile is known; infinite if there are no ends.
 
-        No zone may touch these ends. The interval is a trace without a period, or the one cell of a
-        periodic profile that is solved without its images.
+        No zone may touch these ends. The interval is that of a measured profile without a period,
+        or the one cell of a periodic profile that is solved without its images.
         """
         known = None if self.period is not None or self.reference else self.profile.known
         if known is None:
@@ -245,8 +247,6 @@ class Problem(sie.Kept):
 
         It is the largest deviation of F from a straight line over a few units in the last digit of
         x, at least EPS times F.
-
-        It is the deviation of F from a straight line over a few units in the last digit of x.
         """
         at = self.units.x(x)
         near = at[:, None] + 4 * np.spacing(np.abs(at))[:, None] * np.arange(-4, 5)

@@ -53,10 +53,11 @@ class Fields(Protocol):
     # The next members concern the body below the surface.
 
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
-        """F [Pa] and F' [Pa/m] at points z = x + iy [m], y >= 0; x and y have the same shape.
+        """Transform F [Pa] of the pressure and its derivative [Pa/m] at points z = x + iy [m].
 
-        F(z) = (1/pi) int p(xi) K(z - xi) dxi is the transform of the pressure p, with the kernel K
-        of a half-plane. On the surface it is the limit from inside the body, so that Im F = -p.
+        F(z) = (1/pi) int p(xi) K(z - xi) dxi, with the pressure p and the kernel K of a half-plane.
+        On the surface F is the limit from inside the body, so that Im F = -p. y must not be
+        negative, and x and y have the same shape.
         """
 
     @property

@@ -44,7 +44,7 @@ def sides(angle: Array) -> tuple[Array, Array]:
 
 @lru_cache(maxsize=8)
 def _legendre(count: int) -> tuple[Array, Array]:
-    """Gauss nodes and weights on (-1, 1); they are kept, since they follow from eigenvalues."""
+    """Gauss nodes and weights on (-1, 1), cached: to compute them takes an eigenvalue problem."""
     return np.polynomial.legendre.leggauss(count)
 
 

@@ -1,12 +1,13 @@
 r"""`Relief`: R, the transform of the slope that gives the pressure of full contact.
 
-In full contact p = pbar - (E*/2) R, with the mean pressure pbar. The Fourier terms of R are R_q = q
-f_q / L(q) for a periodic profile f on a body of symbol L. On the half-plane L = 1, and R is the
-Hilbert transform H f' of the slope (contact.formulation.conjugate). On other bodies the few waves
-with L_n != 1 are corrected: R = H f' + sum_n q_n (1/L_n - 1) 2 Re f_n exp(i q_n x).
+In full contact p = pbar - (E*/2) R, with the mean pressure pbar. The Fourier term of R with the
+wave number q is R_q = q f_q / L(q), for a periodic profile f on a body of symbol L. On the
+half-plane L = 1, and R is the Hilbert transform H f' of the slope (contact.formulation.conjugate).
+On other bodies the few harmonics n with L_n = L(q_n) != 1 are corrected: R = H f' + sum_n q_n
+(1/L_n - 1) 2 Re f_n exp(i q_n x), with q_n = 2 pi n / l and the period l.
 
-At a jump J of f', R has the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| on any body. R tends to -inf
-at a convex kink, where the pressure is infinite, and to +inf at a concave one.
+If f' jumps by J at s, R has the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| on any body. R tends to
+-inf at a convex kink, where the pressure is infinite, and to +inf at a concave one.
 """
 
 from collections.abc import Callable
@@ -189,7 +190,7 @@ class ScaledRelief(sie.Kept):
         """The scaled relief R minus the whole contribution of the kinks.
         This contribution is the kinks' logarithmic terms plus `of_waves`.
 
-        For a kink where the slope jumps by J, the potential is multiplied by J/pi.
+        For a kink where the slope jumps by J, it is J/pi times the inverse kernel's potential.
         """
         return np.asarray(self.smooth(x) - self.relief.of_waves(self.units.x(x)) / self.units.slope)
 

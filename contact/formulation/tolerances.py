@@ -1,7 +1,7 @@
-"""`Tolerances`: the numbers of the certificate, on every route, with the allowed overlap.
+"""`Tolerances`: the numbers of the certificate for every method of solution.
 
-The stated error shares the round-off and the constants below; its bounds are derived in
-contact.verify.error.
+`allowed_overlap` is the largest negative gap that counts as round-off. The stated error uses the
+numbers, too; its bounds are derived in contact.verify.error.
 """
 
 from dataclasses import dataclass

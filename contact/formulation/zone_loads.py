@@ -7,12 +7,12 @@ R does not depend on the gaps. Its logarithms at kinks have the integral
 
     (J / pi) int ln|2 sin(pi (x - s)/L)| dx = -(J L / 2 pi^2) Cl_2(2 pi (x - s)/L).
 
-The rest is as smooth as f' between breakpoints and like y^q ln|y|, q >= 1, next to them. Gauss
-panels whose nodes crowd at both ends integrate it to rounding.
+The rest of R is as smooth as f' between breakpoints. At the distance y from a breakpoint it may
+vary as y^q ln|y|, q >= 1. Gauss panels whose nodes crowd at both ends integrate it to rounding.
 
-Rounding leaves about 1e-16 of the mean pressure times a zone's width, and of the potential, which
-is as large as the height of the gaps. A zone a million times narrower than the gaps next to it
-loses some ten digits of its load.
+The rounding error of a load is about 1e-16 times the sum of two numbers: the mean pressure times
+the zone's width, and the potential V. The potential is as large as the height of the gaps. So a
+zone a million times narrower than the gaps next to it loses some ten digits of its load.
 """
 
 from math import pi

@@ -181,9 +181,9 @@ def slopes_at_ends(c: Array) -> tuple[Array, Array]:
 def bounded_part(c: Array) -> tuple[Array, Array, Array]:
     """(alpha, beta, u) of sum c_j T_j / X = (alpha + beta t) / X + X sum u_k U_k, X^2 = 1 - t^2.
 
-    X = sqrt(1 - t^2). The identity T_j - T_{j-2} = -2 (1 - t^2) U_{j-2} gives them; c has the shape
-    (zones, n + 1). Close to a bounded end this form keeps digits that the sum over T_j loses to
-    cancellation.
+    They follow from the identity T_j - T_{j-2} = -2 (1 - t^2) U_{j-2}. c has the shape (zones, n +
+    1). Close to an end where the density is bounded, this form keeps digits that the sum over T_j
+    loses to cancellation.
     """
     c = widened(c, 2)
     sums = np.empty_like(c)

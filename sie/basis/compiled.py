@@ -32,7 +32,7 @@ TERMS_PER_THREAD = 1 << 20
 def loops(name: str, terms: float, repeated: bool = True) -> ModuleType | None:
     """The compiled module `name` of `sie.loops`; None for a short sum or if numba does not work.
 
-    repeated: whether the sum is one of those of which a solution computes many.
+    terms: number of terms of the sum. repeated: whether a solution computes the sum many times.
     """
     enough = terms * (REPETITIONS if repeated else 1) >= MIN_TERMS
     return _loaded(name) if enough else None

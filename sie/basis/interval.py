@@ -193,9 +193,10 @@ class Outside(Seen):
 class OnLine(Seen):
     """Points of the real line, on or off an interval, in coordinates relative to the interval.
 
-    left, right: distances from the ends divided by the half width, positive inside. root: R; on:
-    whether a point is on the interval. rho is meaningless there, but inside the unit circle.
-    any_on: whether any point is on its interval.
+    left, right: distances from the ends divided by the half width, positive inside. root:
+    sqrt(|zeta^2 - 1|), with the sign of zeta off the interval. on: whether a point is on the
+    interval; there rho has no meaning and is set to 0.5. any_on: whether any point is on its
+    interval.
     """
 
     left: Array
@@ -454,8 +455,8 @@ def mean_potential(w: Any, datum: Any, depth: Any = 0.0) -> Any:
     """Mean over an interval of the potential of the density 1 / sqrt(1 - t^2) on it.
     The weight of the mean is 1 / sqrt(1 - t^2), too.
 
-    The mean is zero for T_l / X with l > 0. w: half width. datum: length by which the potential
-    divides distances. depth: see `Zones`.
+    For T_l / sqrt(1 - t^2) with l > 0 the mean is zero. w: half width. datum: length by which the
+    potential divides distances. depth: see `Zones`.
     """
     return w * (np.log(w / (2 * datum)) + depth)
 

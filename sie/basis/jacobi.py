@@ -237,8 +237,9 @@ def log_ratio(less: Number, left: Number) -> Number:
 
 
 def transform_table(family: Family, count: int, less: Number, left: Number) -> Number:
-    """Transforms of the family's polynomials n = 0 ... count - 1 times their weight, (P, count).
-    less, left: zeta - 1 and zeta + 1 of the P points zeta, which lie in the right half plane.
+    """Transforms (P, count) of the family's polynomials, each multiplied by the weight.
+    The polynomials have the degrees 0 ... count - 1. less, left: zeta - 1 and zeta + 1 of the P
+    points zeta, which lie in the right half plane.
     """
     out = np.empty((count, len(less)), dtype=family.numbers(less))
     for here, last in _directions(count, less, left, all_terms=True):
@@ -257,8 +258,8 @@ def transform_table(family: Family, count: int, less: Number, left: Number) -> N
 
 def transform_sum(family: Family, c: Array, less: Number, left: Number) -> Number:
     """The sum of c_n F_n at points (P,).
-    F_n is the transform of the polynomial n of the family times its weight. less, left: zeta - 1
-    and zeta + 1 of the points zeta.
+    F_n is the transform of the weight times the family's polynomial of degree n. less, left: zeta -
+    1 and zeta + 1 of the points zeta.
     """
     out = np.zeros(len(less), dtype=family.numbers(less, c))
     if len(c) == 0:
@@ -307,8 +308,8 @@ def _directions(
 
 def _upward(family: Family, count: int, less: Number, left: Number) -> Iterator[Number]:
     """Yield the scaled transforms f_n, n = 0 ... count - 1, at points close to (-1, 1).
-    f_n is the transform F_n of the polynomial n times its weight, divided by the polynomial's value
-    at t = 1. The recurrence runs towards larger n.
+    f_n is the transform of the weight times the polynomial of degree n, divided by the polynomial's
+    value at t = 1. The recurrence runs towards larger n.
     """
     up, down = family.steps(count)
     alpha, power = family.alpha, np.expm1(family.alpha * log_ratio(less, left))
@@ -329,8 +330,8 @@ def _downward(
     family: Family, last: int, less: Number, left: Number
 ) -> Iterator[tuple[int, Number]]:
     """Yield (n, f_n / f_(n-1) - 1) for n from `last` down to 1, with the scaled transforms f_n.
-    f_n is the transform of the polynomial n times its weight, divided by the polynomial's value at
-    t = 1.
+    f_n is the transform of the weight times the polynomial of degree n, divided by the polynomial's
+    value at t = 1.
 
     For points on the line and real alpha all terms have one sign, so that nothing cancels.
     """
@@ -347,8 +348,8 @@ def _downward(
 
 def _first(family: Family, change: Number, less: Number, left: Number) -> Number:
     """The first scaled transform f_0, from which the ratios of `_downward` give all f_n.
-    f_n is the transform of the polynomial n times its weight, divided by the polynomial's value at
-    t = 1. change: f_1 / f_0 - 1.
+    f_n is the transform of the weight times the polynomial of degree n, divided by the polynomial's
+    value at t = 1. change: f_1 / f_0 - 1.
     """
     if family.bounded:
         return 2 * family.alpha * family.rest / (less - family.steps(1)[0][0] * change)

@@ -176,7 +176,7 @@ class Smooth:
     """A regular kernel value(x, xi), smooth on all zones, to be added to a kernel with poles.
 
     Smooth kernels can be added, subtracted and multiplied by numbers, and added to or subtracted
-    from a kernel with poles. A kernel takes a plain function of (x, xi) as one too.
+    from a kernel with poles. A plain function of (x, xi) may take the place of a `Smooth` there.
 
     Parameters
     ----------

@@ -1,12 +1,12 @@
 r"""Densities whose right side in kappa phi + T phi = g jumps inside the interval, in closed form.
 
-With the weight w of `sie.basis.weighted` and a place s in (-1, 1) let
+With the weight w and exponent alpha of `sie.basis.weighted`, and a place s in (-1, 1), let
 
     J_s(t) = total / pi  int_t^1 w(x) / (x - s) dx,       t > s,
     J_s(t) = total / pi  int_(-1)^t w(x) / (s - x) dx,    t < s,
     total = sin(pi alpha) (1 - s)^(1 - alpha) (1 + s)^alpha = int J_s dt.
 
-It vanishes at both ends and has a logarithm and a step at s:
+J_s vanishes at both ends and has a logarithm and a step at s:
 
     (kappa + T) J_s = H(t - s) - h,    h = I_((1 - s)/2)(1 - alpha, alpha),
 
@@ -14,24 +14,25 @@ H Heaviside's step, I the regularised incomplete beta function. With `lerch` and
 
     u = (1 + t)(1 - s) / ((1 - t)(1 + s))
 
-it is on both sides of s
+the two sides of s have
 
     J_s = sin(pi alpha)^2 / pi  u^(1 - alpha) lerch(1 - alpha, u),    t < s,
     J_s = sin(pi alpha)^2 / pi  u^(-alpha) lerch(alpha, 1 / u),       t > s,
 
-and off the interval F is the integral of sin(pi alpha) / pi  y^(-alpha) / (1 + y) from
-(1 - s) / (1 + s) to -u(zeta). Its derivative is -total / pi F_0(zeta) / (zeta - s), with F_0 the
-transform of w. For kappa = 0 J_s is a logarithm. Jumps of derivatives of the right side have the
-densities (t - s)^k J_s:
+and the transform F(zeta) of J_s off the interval is the integral of sin(pi alpha) / pi  y^(-alpha)
+/ (1 + y) from (1 - s) / (1 + s) to -u(zeta). Its derivative by zeta is -total / pi F_0(zeta) /
+(zeta - s), with F_0 the transform of w. For kappa = 0 J_s is a logarithm. Jumps of the k-th
+derivative of the right side have the densities (t - s)^k J_s:
 
     (kappa + T) (t - s)^k J_s = (t - s)^k (H(t - s) - h) - sum_(j < k) P_j (t - s)^(k - 1 - j) / pi,
 
-P_j the integral of (t - s)^j J_s, which is total / (pi (j + 1)) times that of (t - s)^j w. By
-parts, as (t - s) J_s' = -total / pi w, their potential V_k is that of
+P_j the integral of (t - s)^j J_s, which is total / (pi (j + 1)) times the integral of (t - s)^j w.
+Since (t - s) J_s' = -total / pi w, integration by parts gives the potential V_k of (t - s)^k J_s:
 
     (k + 1) V_k = F[(t - s)^(k + 1) J_s] + total / pi V[(t - s)^k w],
 
-F the transform and V[] the potential. The same holds for the integrals of the densities.
+F[] the transform and V[] the potential. The integrals of the densities from -1 to t follow in the
+same way.
 """
 
 import math
@@ -207,7 +208,7 @@ class PowerJump(Kept):
         """Chebyshev moments (2 - delta_l0) / pi int phi T_l dt, l < `length`, of the densities phi.
         phi = (t - s)^k J_s is the density of a jump (k = 0) or a kink (k = 1) at s; k is `order`.
 
-        They are along a new last axis, and those of `JacobiFunctions.moments`.
+        They are along a new last axis, and are defined as in `JacobiFunctions.moments`.
         """
         size = length + order
         means = np.empty((*self.left.shape, size))

@@ -1,14 +1,15 @@
 r"""Density of kappa phi + T phi = g with the value 1 at one end and 0 at the other, in closed form.
 
-At the left end it is V(t) = I_((1 - t)/2)(alpha, 1 - alpha), I the regularised incomplete beta
-function. Its derivative is -1/pi times the weight w of `sie.basis.weighted`. It has
+With the value 1 at the left end it is V(t) = I_((1 - t)/2)(alpha, 1 - alpha), I the regularised
+incomplete beta function. The derivative V' is -1/pi times the weight w of `sie.basis.weighted`. The
+right side of V, and its transform F at points zeta off the interval, are
 
     (kappa + T) V = (log((1 + t) / 2) - psi(alpha) - gamma) / pi,
     F(zeta) = -1/pi  int_u^1 (1 - v^(alpha - 1)) / (1 - v) dv,    u = (zeta - 1) / (zeta + 1),
 
-psi the digamma function and gamma Euler's constant. For kappa = 0 it is arccos(t) / pi. The density
-of the right end is the mirror image, with -kappa. The logarithm cancels that of whatever continues
-the density beyond the end.
+psi the digamma function and gamma Euler's constant. For kappa = 0 V is arccos(t) / pi. The density
+with the value 1 at the right end is the mirror image, with -kappa. The logarithm cancels the
+logarithm in the right side of the density that continues V beyond the end.
 """
 
 from collections.abc import Callable

@@ -7,9 +7,9 @@ the right end and 1 - alpha at the left end. A density is a sum of
     S_n(t) = w(t) p_n(t),    w = sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).
 
 The polynomials p_n and q_n are those of `sie.basis.jacobi`; D_n(t) is (-1)^n q_n(-t). For kappa = 0
-they are T_n, U_n and U_n, and all of the below is that of `sie.basis.interval`. kappa may be
-complex, except for i times beta with |beta| >= 1: alpha then is complex. F is the transform
-at a point zeta off the interval, F(zeta) = (1/pi) int S(t) / (zeta - t) dt.
+p_n is T_n, q_n and D_n are U_n, and the formulas below are those of `sie.basis.interval`. kappa may
+be complex, except for i times beta with |beta| >= 1; alpha then is complex. The transform of S at
+a point zeta off the interval is F(zeta) = (1/pi) int S(t) / (zeta - t) dt.
 
     on the interval  (kappa + T) S_n = -D_(n-1),    (kappa + T) S_0 = 0
     off it           S_0 -> (zeta - 1)^(alpha - 1) (zeta + 1)^(-alpha); S_n: minimal solution of the
@@ -69,11 +69,11 @@ def exponent_of(kappa: complex) -> complex:
 
 
 class Split(NamedTuple):
-    """Coefficients of a density that give it accurately close to ends where it is bounded.
+    """Coefficients that give a density accurately close to ends where it is bounded.
 
-    Of several densities, k_left and k_right are arrays, and q has a row for each.
-
-    It is w (k_left (1 - t) / 2 + k_right (1 + t) / 2) + (1 - t^2) w sum_n q_n(t) q[n].
+    The density is w (k_left (1 - t) / 2 + k_right (1 + t) / 2) + (1 - t^2) w sum_n q_n(t) q[n],
+    with the weight w and the Jacobi polynomials q_n. For several densities, k_left and k_right are
+    arrays, and q has a row for each density.
     """
 
     k_left: Any
@@ -220,7 +220,7 @@ class JacobiFunctions(Kept):
         """The density that a `Split` represents, at points on the interval; zero at bounded ends.
         left, right: 1 + t and 1 - t of the points t.
 
-        Of several densities, they are the first axis of the result.
+        For several densities, the first axis of the result numbers the densities.
         """
         left, right = np.asarray(left, dtype=float), np.asarray(right, dtype=float)
         out = self.bounded_weight(left, right) * self.values_q(split.q, left, right)
@@ -367,7 +367,7 @@ class JacobiFunctions(Kept):
     def own_potential(self, c: Number, left: Any, right: Any) -> Number:
         """Potential of w sum_n c_n p_n on the interval (weight w, Jacobi polynomials p_n).
 
-        Plus kappa times the integral from -1 to t, it is `own_level`.
+        It is `own_level` minus kappa times the integral of the density from -1 to t.
         """
         level = self.own_level(c, left, right)
         return np.asarray(level - self.kappa * self.integral_to(c, left, right))
@@ -376,7 +376,8 @@ class JacobiFunctions(Kept):
         """On the interval, a density's potential plus kappa times its integral from -1 to t.
         The density is w sum_n c_n p_n, with the weight w and Jacobi polynomials p_n.
 
-        It is `level` for n = 0 and -1/n times the mirrored family's p_n for n > 0.
+        For the density w p_0 it is `level`. For w p_n with n > 0 it is -1/n times the polynomial
+        p_n of the mirrored family.
         """
         divided = c / np.maximum(np.arange(len(c)), 1)
         divided[0] = 0.0
@@ -456,8 +457,9 @@ class JacobiFunctions(Kept):
         """Chebyshev moments (2 - delta_l0) / pi int w T_l dt of the weight w, l < `length`.
         They are the first column of `moments`.
 
-        It follows from the transform of S_0. It is the power series of
-        ((1 + rho) / (1 - rho))^(1 - 2 alpha).
+        They are the coefficients of rho^l in the power series of ((1 + rho) / (1 - rho))^(1 - 2
+        alpha). This function is sqrt(zeta^2 - 1) times the transform of w, with rho = zeta -
+        sqrt(zeta^2 - 1).
         """
         twice = 2 * self.recurrence(1)[0][0]
         out = np.ones(max(length, 2))

@@ -2,10 +2,10 @@
 
 At a distance d from an end the density is K / sqrt(d) + A sqrt(d). A *singular* end leaves K
 unknown. A *bounded* end has K = 0 (or a prescribed K) at a given place. A *free* end has a given K
-(zero, or a prescribed intensity) at an unknown place. An end with a *value* v has v in addition to
-these terms. Each zone with two singular ends has index 1
-and needs one side condition. Each bounded end needs one condition less. So does a free end, but it
-adds one unknown, its position (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
+(zero, or a prescribed intensity) at an unknown place. At an end with a *value* v, the density is
+K / sqrt(d) + v + A sqrt(d). A zone with two singular ends has index 1 and needs one side condition.
+Each end that is bounded or free instead lowers this number by one. A free end also adds one
+unknown, its position (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
 """
 
 from collections.abc import Sequence
@@ -199,8 +199,8 @@ class Zones(Kept):
     weight : Weight
         The exponents of a density at the ends of the zones. `solve` sets them from the equation.
     depth : ndarray
-        Logarithm of the true width of a rim over the width that it has here (n,), see
-        `sie.ends.rims`; 0 for other zones.
+        For rims, which are zones between two different end values: logarithm of the true width
+        divided by the width b - a (n,), see `sie.ends.rims`. It is 0 for other zones.
 
     Examples
     --------

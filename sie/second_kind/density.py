@@ -165,11 +165,10 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A at both ends of each zone. At the distance d from an end with the exponent
-        p, the density is K d^(-p) + A d^(1 - p).
+        """Edge slopes A at the left and the right end of each zone.
 
-        d is the distance from the end, p is `zones.weight.exponent`, and the density's leading term
-        is K d^(-p).
+        At the distance d from an end with the exponent p (`zones.weight.exponent`), the density is
+        K d^(-p) + A d^(1 - p).
         """
         unit = np.eye(self.coefficients.shape[1])
         every = np.array(
@@ -390,10 +389,10 @@ class SecondKindDensity(DensityBase):
         return np.asarray(w * (out + total * np.log(w / self.kernel.datum)))
 
     def _off_zone(self, i: int, seen: Outside, potential: bool) -> Array:
-        """Transform of zone i at points off it or, if `potential`, its potential over half width.
+        """Transform of zone i at points off the zone; with `potential`, its potential instead.
 
-        Here w is the zone's half width. Far away, a sum over moments takes less time than the
-        closed forms.
+        The potential is divided by the half width of the zone. Far away, a sum over moments takes
+        less time than the closed forms.
         """
         basis, of_zone = self.bases[i], [one for one in self.known if one.zone == i]
         left, less = from_ends(seen)

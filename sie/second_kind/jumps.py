@@ -70,15 +70,16 @@ class KnownJumps(Kept):
 
     @cached_property
     def _by_parts(self) -> Array:
-        """Coefficients, summed over all jumps, of a part of the integral of the density.
-        Integration by parts leaves it as a sum of S_n = weight of the end exponents * polynomial.
+        """Coefficients of the S_n that integration by parts leaves, summed over all jumps.
+        The integral of the density from the left end is a closed form plus an integral of sum c_n
+        S_n, with S_n = weight * polynomial (`sie.basis.weighted`).
         """
         return self.closed.by_parts(self.order) @ self.factors
 
     def integral_to(self, left: Array, right: Array) -> Array:
-        """Integral of the density from the left end to points (P,) of the zone, divided by w.
+        """Integral of the density from the left end to points (P,) of the zone.
 
-        It is by parts, see `sie.basis.power_jump`.
+        It is divided by the half width. Integration by parts gives it, see `sie.basis.power_jump`.
         """
         away = self._away(left, right)
         edge = self.closed.density(left[:, None], right[:, None], away, self.order) * away
@@ -140,7 +141,8 @@ class KnownJumps(Kept):
     def in_plane(self, points: InPlane, what: tuple[Array, Array, bool]) -> Complex:
         """Transform of the density, or its derivative by zeta, at complex points (P,).
 
-        what: ((x - s) / w for points and jumps (P, places), y / w, whether the slope is wanted).
+        what: ((x - s) / w for points and jumps (P, jumps), y / w, whether the slope is wanted), for
+        points x + iy, jumps at s and the half width w.
         """
         x, y, is_slope = what
         is_far = np.abs(rho_of(points.left, points.less)) < OPTIONS.far

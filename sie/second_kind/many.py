@@ -1,7 +1,8 @@
 """Equations with kappa on many zones: fast sums and GMRES in place of a matrix.
 
-On a zone, the left side of the zone's own density is -sum c_n D_(n-1). So the rows are the
-coefficients of the equation in the polynomials D_(k-1), k = 1 ... m,
+On a zone, the zone's own density sum c_n S_n gives the left side kappa phi + T phi = -sum c_n
+D_(n-1), with the polynomials D_n of `sie.basis.weighted`. So the rows are the coefficients of the
+equation in the polynomials D_(k-1), k = 1 ... m,
 
     -c_k + (coefficient of the field of other zones and images) = g_k,
 
@@ -413,10 +414,10 @@ class ManySolver:
         start: Array | None,
         wanted: float,
     ) -> tuple[Array, Array]:
-        """(solution x of operator(x) = given, by GMRES and corrections; residual over `scale`).
+        """(solution x of operator(x) = given, by GMRES and corrections; residual / `scale`).
 
         operator: its second argument says whether rough sums suffice. start: a first guess of x.
-        wanted: largest norm of the residual over `scale`.
+        wanted: largest norm of the residual divided by `scale`.
         """
         is_rough = wanted > ITERATION.correction
         x = np.zeros(len(given)) if start is None else start

@@ -1,12 +1,12 @@
 """Equations with kappa on many zones under conditions on levels, by fast sums and GMRES.
 
 The unknowns are the coefficients c_k, k > 0, of all zones, then c_0 of all zones and the amplitudes
-of the columns. The rows of the equation are those of `many`. The rows of the conditions are applied
-to the unknowns too: the tree gives the potential in the middle of each zone. They are multiplied by
-the inverse of a small matrix, that of the conditions for densities c_0 / sqrt(1 - t^2) alone. So
-all rows are close to the identity, and GMRES needs few steps.
+of the columns. The rows of the equation are those of `many`. For the rows of the conditions, the
+tree gives the potential of the unknowns' density in the middle of each zone. These rows are
+multiplied by the inverse of a small matrix: the matrix of the conditions for densities c_0 / sqrt(1
+- t^2) alone. So all rows are close to the identity, and GMRES needs few steps.
 
-The densities of jumps of the right side go through the tree like those of the unknowns.
+The tree also sums the fields of the densities that jumps of the right side cause.
 """
 
 from collections.abc import Callable
