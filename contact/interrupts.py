@@ -1,9 +1,9 @@
 """Ctrl-C in a command prints one line and exits with status 130, at any moment of its run.
 
 During an import, KeyboardInterrupt does not work: no code catches it yet, and a half-imported
-module may raise another error or ignore it. There the process ends at once; nothing has been
-computed or written by then. Only the commands are handled this way: a program that imports
-`contact` keeps its own signal handlers.
+module may raise another error or ignore it. So Ctrl-C during an import ends the process at once;
+nothing has been computed or written by then. Only the commands handle Ctrl-C this way: a program
+that imports `contact` keeps its own signal handlers.
 """
 
 import os
@@ -34,9 +34,9 @@ def is_command() -> bool:
 
 
 def install() -> None:
-    """Handle Ctrl-C here, unless the process ignores it or has its own handler already.
+    """Handle Ctrl-C by `_interrupted`, unless the process ignores it or has its own handler.
 
-    Background jobs ignore it.
+    Background jobs ignore Ctrl-C.
     """
     try:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
@@ -46,7 +46,7 @@ def install() -> None:
 
 
 def started(now: bool = True) -> None:
-    """Set `_started` to `now`. It says whether the command line catches KeyboardInterrupts."""
+    """Set `_started` to `now`: whether the command line catches KeyboardInterrupt."""
     global _started
     _started = now
 

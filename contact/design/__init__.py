@@ -1,1 +1,1 @@
-"""A scene with bounds of its data comes in; the best design in them goes out."""
+"""A scene and bounds for its data come in; the best design within the bounds goes out."""

@@ -1,4 +1,4 @@
-"""What a design is judged by: one number of its contact at one or several values of the control."""
+"""Objectives: functions of one number of the contact, at one or several values of the control."""
 
 from __future__ import annotations
 
@@ -32,10 +32,11 @@ class Objective:
     number : str
         A number that has derivatives, see `contact.Response.of`.
     of : callable
-        Takes a list with the number at each value of the control (an array for zones, their widths
-        and loads) and returns its value and the list of its derivatives by them.
+        Takes a list with the number at each value of the control (an array, if the number is a
+        table with an entry for each zone). Returns the value of the objective, and the list of its
+        derivatives by the numbers.
     name : str
-        What the user wrote, if it is a name.
+        The name that the user gave in place of an objective; else empty.
 
     Raises
     ------
@@ -117,8 +118,8 @@ class StressObjective:
     ----------
     number : str
         "max_stress", the largest equivalent stress (its mean over the values of the control), or
-        "first_yield", the load of first yield, which depends on no control. With a minus sign it is
-        made large.
+        "first_yield", the load of first yield, which depends on no control. With a minus sign
+        before its name, the number is maximized.
     nu : float
         Poisson's ratio of body 1.
     strength : float or None

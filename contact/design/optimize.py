@@ -44,7 +44,7 @@ def optimize(
     subject_to : sequence of (str, float or None, float or None)
         Numbers of the contact with their lowest and highest value, at every value of the control.
     at : sequence of float or None
-        Values of the scene's control; None: its own.
+        Values of the scene's control; None: the value that the scene has.
     tol : float
         Tolerance of the contacts.
 

@@ -1,10 +1,10 @@
 """Places of one contact that compete for a largest number, and derivatives of their values.
 
-The numbers are the pressure at its local maxima, the equivalent stress at its local maxima, and
-the inverse of the load at which each of the latter yields. Let s be the stress at one of them under
-the load P of first yield, s_P its derivative by the load, and Y the strength. To first order this
-place yields under the load P + (Y - s) / s_P. At the place that yields first this is exact, and so
-is its derivative.
+The number is the pressure at the local maxima of the pressure, or the equivalent stress at the
+local maxima of this stress, or the inverse of the load under which such a maximum of the stress
+yields. Let s be the stress at one maximum under the load P of first yield, s_P the derivative of s
+by the load, and Y the strength. To first order, this place yields under the load P + (Y - s) / s_P.
+At the place that yields first, this load and its derivatives are exact.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Places:
     def of_stress(
         cls, solution: Solution, wanted: StressObjective, most: int, tol: float
     ) -> Places:
-        """The local maxima of the stress, at first yield if the objective is its load."""
+        """The local maxima of the stress; under the load of first yield if this is sought."""
         found, missed = None, 0.0
         if wanted.strength is not None:
             found = solution.first_yield(

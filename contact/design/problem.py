@@ -67,7 +67,9 @@ class Problem:
 
     @property
     def levels(self) -> bool:
-        """Whether the least t is sought that no value at competing places exceeds."""
+        """Whether the search minimizes levels t, one for each contact, instead of the objective.
+        A level is at least each value of `competing` for its contact.
+        """
         wanted = self.objective
         if isinstance(wanted, StressObjective):
             return wanted.number in ("max_stress", "-first_yield")
@@ -108,8 +110,8 @@ class Problem:
     def best(self, last: Array) -> Array:
         """The vector of the best design met that satisfies the conditions to the tolerance.
 
-        It is `last` if no other one is better by more than the tolerance. If there is none, it is
-        that of the smallest violation.
+        It is `last` if no other design is better than `last` by more than the tolerance. If no
+        design satisfies the conditions, the vector with the smallest violation is returned.
         """
         self.contact(last)
         values = np.array([step.objective for step in self.history])
@@ -124,7 +126,7 @@ class Problem:
         return last
 
     def violation(self, vector: Array) -> float:
-        """Largest violation of a condition, divided by the size of its bound; 0 without one."""
+        """Largest violation of a condition, divided by the size of its bound; 0 if all hold."""
         return max(0.0, -float(self.rooms(vector).min(initial=0.0)))
 
     def _solved(self, scene: Scene) -> Solution:
@@ -207,27 +209,33 @@ class Problem:
         return np.asarray(-mean * found.stresses[0].largest ** 2 if found.yields else mean)
 
     def competing(self, vector: Array) -> Array:
-        """Values (rows, k) at the places that compete for the objective.
+        """Values at the places that compete for the objective: a row of n + 1 for each contact.
 
-        They are the largest n + 1 of each row: more do not determine a design of n data. Missing
-        ones are 0.
+        The places are local maxima of the pressure or of the stress (`Places`). A row holds the
+        largest values: more than n + 1 do not determine a design of n data. Missing values are 0.
         """
         found = self.contact(vector)
         return self._values(vector, found.tops if self.of_pressure else found.stresses)
 
     def competing_slopes(self, vector: Array) -> Array:
-        """Derivatives of `competing` by the vector (rows, k, n)."""
+        """Derivatives of `competing` by the n entries of the vector of data.
+        The shape is (contacts, n + 1, n).
+        """
         found = self.contact(vector)
         if self.of_pressure:
             return self._slopes(vector, "tops", found.tops)
         return self._slopes(vector, "stresses", found.stresses)
 
     def tops(self, vector: Array) -> Array:
-        """Local maxima of the pressure (values of the control, k), the highest n + 1 of them."""
+        """The highest local maxima of the pressure: a row of n + 1 for each value of the control.
+        Missing values are 0.
+        """
         return self._values(vector, self.contact(vector).tops)
 
     def top_slopes(self, vector: Array) -> Array:
-        """Derivatives of `tops` by the vector (values of the control, k, n)."""
+        """Derivatives of `tops` by the n entries of the vector of data.
+        The shape is (values of the control, n + 1, n).
+        """
         return self._slopes(vector, "tops", self.contact(vector).tops)
 
     def _values(self, vector: Array, rows: tuple[Places, ...]) -> Array:
@@ -248,8 +256,8 @@ class Problem:
         return np.array(self._gradients[key])
 
     def rooms(self, vector: Array) -> Array:
-        """Distances of all conditions from their bounds, divided by the bounds' size.
-        A design that meets all conditions has none below 0.
+        """Distances of the conditions' numbers from their bounds, divided by the bounds' size.
+        A design that meets all conditions has no distance below 0.
         """
         rooms = [np.zeros(0)]
         for number, bound, sign in self._bounds:

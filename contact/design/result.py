@@ -1,4 +1,4 @@
-"""The best design that a search finds, and what it records on the way."""
+"""The best design that a search finds, and the record of all designs that it evaluates."""
 
 from __future__ import annotations
 
@@ -39,11 +39,10 @@ class Design:
     solutions : tuple of Solution
         The contact at each value of the control.
     objective : float
-        Value of the objective for a vector of data.
+        Value of the objective for the best data.
     optimality : float
-        Norm of the part of the gradient that no active bound or condition balances, over the norm
-        of the gradient at the start. For measured values: of the gradient of half the sum of
-        squares. It is 0 at an optimum.
+        Norm of the part of the gradient that no active bound or condition balances, divided by the
+        norm of the gradient at the start. It is 0 at an optimum.
     history : tuple of Step
         Every evaluation in order: `data`, `objective` and `conditions`.
     covariance : ndarray or None

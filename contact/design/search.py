@@ -1,14 +1,15 @@
 """Searches for the best design.
 
-The largest pressure is that of several local maxima p_k, and designs that make it small have
-several of them equal: it has no derivative there, but each p_k has. So the search is for the least
-t that no p_k exceeds, and a largest pressure that is allowed bounds each p_k. The largest stress in
-the body, and the inverse of the load of first yield, are made small likewise.
+The largest pressure is the largest of several local maxima p_k. In a design that makes it small,
+several p_k are equal. There the largest pressure has no derivative, but each p_k has one. So the
+search minimizes a number t (a level) under the conditions p_k <= t, and a condition on the largest
+pressure becomes a condition on each p_k. The largest stress in the body, and the inverse of the
+load of first yield, are minimized in the same way.
 
-The search is that of scipy.optimize: SLSQP (D. Kraft, DFVLR-FB 88-28, 1988) under conditions,
-L-BFGS-B (R. H. Byrd, P. Lu, J. Nocedal and C. Zhu, SIAM J. Sci. Comput. 16, 1995, 1190) without,
-and least squares for measured values. What it finds is a local optimum: `Design.optimality` says
-how nearly.
+The searches are those of scipy.optimize: SLSQP (D. Kraft, DFVLR-FB 88-28, 1988) under conditions,
+L-BFGS-B (R. H. Byrd, P. Lu, J. Nocedal and C. Zhu, SIAM J. Sci. Comput. 16, 1995, 1190) without
+conditions, and least squares for measured values. They find a local optimum. `Design.optimality`
+says how closely the conditions for an optimum are met.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ def minimum(problem: Problem) -> Design:
         return _lowest_levels(problem)
     start = problem.variables.start
     first = problem.gradient(start)
-    # The search counts in units of the first gradient: then steps and tolerances are of order 1.
+    # The objective is divided by the size of the first gradient, so that steps and tolerances are
+    # of order 1.
     unit = float(np.abs(first).max()) or 1.0
     arguments: dict[str, Any] = {
         "method": "L-BFGS-B",
@@ -59,9 +61,11 @@ def minimum(problem: Problem) -> Design:
 
 
 def _lowest_levels(problem: Problem) -> Design:
-    """The least mean of levels t, one for each contact, that no value at competing places exceeds.
+    """The design with the smallest mean of the levels t, one level for each contact.
 
-    The vector of the search is that of the data, and t over the size of the first derivatives.
+    A level t is at least each value of its contact at the places that compete for the objective,
+    such as local maxima of the pressure (`Problem.competing`). The unknowns of the search are the
+    vector of data, and the levels t divided by the size of the first derivatives.
     """
     start = problem.variables.start
     values, slopes = problem.competing(start), problem.competing_slopes(start)
@@ -95,7 +99,10 @@ def _lowest_levels(problem: Problem) -> Design:
 
 
 def _level_slopes(problem: Problem, vector: Array, unit: float) -> Array:
-    """Derivatives of levels minus values at competing places, and of the conditions' rooms."""
+    """Derivatives of the levels minus the values of `Problem.competing`, and of `Problem.rooms`.
+    They are derivatives by the vector of data and by the levels. The levels and the values are
+    divided by `unit`.
+    """
     slopes = problem.competing_slopes(vector)
     many, n = len(slopes), len(vector)
     rows = np.zeros((*slopes.shape[:2], n + many))
@@ -140,7 +147,7 @@ def _unbalanced(problem: Problem, vector: Array) -> float:
 
 
 def _at_bounds(problem: Problem, vector: Array, count: int) -> list[Array]:
-    """Inward directions, with `count` entries, of the bounds that hold a vector."""
+    """Inward unit vectors, with `count` entries, at the bounds on which a vector of data lies."""
     close, unit = problem.tol**0.5, np.eye(count)
     low = [unit[k] for k in np.flatnonzero(vector <= close)]
     return low + [-unit[k] for k in np.flatnonzero(vector >= 1 - close)]

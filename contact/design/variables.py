@@ -73,9 +73,7 @@ class Variables:
         return np.asarray((np.concatenate(values) - self.low) / (self.high - self.low))
 
     def values(self, vector: Array) -> dict[str, Any]:
-        """The data by name, from the scaled vector whose entries run from 0 to 1 between the
-        bounds.
-        """
+        """The data by name, from the scaled vector, whose entries 0 and 1 are the bounds."""
         entries = self.low + vector * (self.high - self.low)
         # A zero at the end of a list of coefficients would be left out by the profile, and with it
         # the derivative by this coefficient. So zeros are replaced by the smallest positive number.

@@ -5,12 +5,13 @@ This is cheap, because a zone's own operator is diagonal. The coefficients of th
 zones decay as rho^k, where rho belongs to the nearest end of another zone (or image, or singularity
 of a column). So narrow zones far apart need few coupled modes.
 
-Consider a load between neighbours that keep their levels. They act on it like the grounded
-half-lines x < -g and x > g', with g and g' the distances from the load. Let s be the position from
-the middle of the gap, divided by half the gap. The map s -> tan(asin(s)/2) takes the plane slit
-along |s| > 1 to the unit disk. So a load at the origin has the potential log(r / R) near it, with
-the conformal radius R = 4 g g' / (g + g'). A level of the left half-line contributes to the
-potential there with the harmonic measure 1/2 - asin(s) / pi, where s = (g - g') / (g + g').
+Consider a narrow zone with a load between two neighbours that keep their levels (constant
+potentials). The neighbours act on the load like the grounded half-lines x < -g and x > g', with g
+and g' their distances from the load. Let s be the position from the middle of the gap, divided by
+half the gap. The map s -> tan(asin(s)/2) takes the plane slit along |s| > 1 to the unit disk. So
+at the distance r from a load at the origin, the potential is log(r / R), with the conformal radius
+R = 4 g g' / (g + g'). A level of the left half-line contributes to the potential at the load with
+the harmonic measure 1/2 - asin(s) / pi, where s = (g - g') / (g + g').
 """
 
 import math
@@ -87,8 +88,8 @@ def enough(kernel: Kernel, tolerance: float) -> float:
 
 @record
 class Growth:
-    """How the last coefficients, on each zone, of the field of the other zones fall as the number
-    of modes grows. They show how many modes are needed.
+    """Record of how the coefficients of the field on each zone fall as the modes grow in number.
+    The field is that of the other zones. Its last coefficients show how many modes are needed.
 
     m: numbers of modes of the last solution (Z,); tails: sizes of the field's last coefficients
     with the last three numbers of modes, the newest last (3, Z); floor: noise of a user's
@@ -129,8 +130,8 @@ class Growth:
 def least(zones: Zones, kernel: Kernel) -> Index:
     """Initial number of modes of each zone for a kernel whose regular part a user defines.
 
-    The solver starts with this number of modes and adds more. It grows with the square root of the
-    half width over `kernel.length`.
+    The solver starts with this number of modes and adds more. The number grows with the square root
+    of the half width divided by `kernel.length`.
     """
     lengths = zones.half / kernel.length
     return np.maximum(
@@ -236,9 +237,10 @@ def sample(
     """Sample the right side on each zone, with more nodes until its coefficients have decayed.
 
     A symmetric set is sampled on its right half only. The decay is measured relative to the
-    coefficients of the smooth part or of the subtracted jumps, whichever are larger. Under a wedge,
-    nothing but the round-off of the jumps remains. If only derivatives jump, the decay is measured
-    relative to g itself, because the terms of the jumps may be much larger than their sum.
+    coefficients of the smooth part or of the subtracted jumps, whichever are larger: under a wedge,
+    the smooth part is nothing but the round-off of the jumps. If only derivatives of the right side
+    g jump, the decay is measured relative to g itself, because the terms of the jumps may be much
+    larger than their sum.
     """
     own = own.copy()
     subtracted = np.abs(jumps.t_coefficients(zones, OPTIONS.first_nodes)).max(axis=1)
@@ -372,9 +374,10 @@ def _values(
 
 
 def conformal_radius(left: Array, right: Array) -> Array:
-    """Conformal radius R, at a zone, of the plane cut along half-lines on both sides of it.
+    """Conformal radius R = 4 g g' / (g + g') for a narrow zone between two half-lines.
+    The head of this file has its meaning: the zone is treated as a point.
 
-    left, right: distances of the half-lines from the zone. One of them may be infinite.
+    left, right: distances g and g' of the half-lines from the zone. One of them may be infinite.
     """
     with np.errstate(divide="ignore"):
         return np.asarray(4 / (1 / left + 1 / right))

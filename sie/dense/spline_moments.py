@@ -1,10 +1,10 @@
 """Lowest coefficients of the right side on zones with many jumps of its derivatives.
 
 Truncated powers h (t - s)_+^q grow across a zone. For n knots of a spline, they and the remaining
-polynomial are up to n^2 times the right side g itself. Within one zone that does no harm. But the
-field on its neighbours, and a level that it shares with a lightly loaded zone, would have the
-round-off of a difference of large numbers. So the lowest coefficients of g and the mean of its
-primitive G are computed from g itself,
+polynomial are up to n^2 times the right side g itself. Within the zone that does no harm. But the
+zone's field on its neighbours, and the level that the zone shares with a lightly loaded zone, would
+have the round-off of a difference of large numbers. So the lowest coefficients of g and the mean of
+its primitive G are computed from g itself,
 
     g_k = (2/pi) int_0^pi g sin(theta) sin(k theta) dtheta,    mean = (1/pi) int_0^pi G dtheta,
 

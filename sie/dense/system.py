@@ -348,8 +348,8 @@ class System(Rows):
         return tails
 
     def projected(self, values: Array) -> Array:
-        """Coefficients in U_{k-1}, k = 1 ...
-        m, of functions with the given values at the nodes. They are listed zone by zone.
+        """Coefficients in U_{k-1} of functions, from their values at the nodes of all solved zones.
+        k runs from 1 to the number m of modes. The coefficients are listed zone by zone.
         """
         m = self.layout.m[self.zones.solved]
         first, out = np.cumsum(m) - m, np.empty((int(m.sum()), *values.shape[1:]))
@@ -467,8 +467,8 @@ class System(Rows):
     ) -> Array:
         """Means over a zone, with respect to theta, of the function `weight` times T_l.
 
-        Their number follows from the degree of a polynomial. For other functions it is doubled from
-        `size` on until they have decayed.
+        If `weight` is a polynomial of the given `degree`, the orders are l = 0 ... degree. For
+        other functions the number of means is doubled, from `size` on, until they have decayed.
         """
         if degree is not None:
             return self._moments(weight, zone, degree + 2)[: degree + 1]
@@ -511,8 +511,8 @@ class System(Rows):
     def beyond(self) -> Array:
         """Known coefficients (zones, n + 1) of the density that contribute to the intensities K.
 
-        Above m they are those of the right side. Up to m they correct for jumps whose coefficients
-        the unknowns include.
+        Above m they are minus those of the right side. Up to m they correct for jumps whose
+        coefficients are contained in the unknowns.
         """
         count = max(self.g.shape[1], self.taken.shape[1])
         g, taken = widened(self.g, count), widened(self.taken, count)
@@ -549,9 +549,9 @@ class System(Rows):
 
     @property
     def integrated(self) -> bool:
-        """Whether differences between the levels of zones are computed as integrals of g.
-        Such differences do not have the round-off of the primitive of g. The level of a zone is the
-        mean of the potential minus this primitive.
+        """Whether differences between zones' levels are computed as integrals of the right side g.
+        The level of a zone is the mean over the zone of the potential minus the primitive of g.
+        Integrals of g between zones do not have the round-off of this primitive.
         """
         return False
 

@@ -16,8 +16,8 @@ class TwoLevelPreconditioner:
     the amplitudes of the columns follow from the side conditions. On every zone the level is
     G c_0 minus the means of the columns, with G = C + constant and C the coarse operator. So c_0 is
     C^-1 (level + unknown constant + ...). The few remaining unknowns follow from the conditions
-    that do not belong to single zones. Where every zone has a fixed end with a prescribed
-    intensity K, c_0 follows from K.
+    that do not belong to single zones. If every zone has a fixed end with a prescribed intensity K,
+    c_0 follows from K.
     """
 
     def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None) -> None:

@@ -148,7 +148,7 @@ class IterativeSystem(System):
         return np.asarray(np.bincount(zone, rows, minlength=len(count)), dtype=np.float64)
 
     def _with_own(self, y: Array, mean: Array, depth: Array) -> Array:
-        """Part of the potential on each zone: the given `mean`, and that of the zone's own charge.
+        """The given `mean` of the potential on each zone, plus the potential of its own charge.
         The charge of a zone is the integral of the density over the zone. The means of the
         equation's columns are subtracted. depth: see `Zones`.
         """

@@ -259,8 +259,9 @@ class ZoneSums:
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
         """Coefficients in U_l of the field on solved zones, and the potential of the field.
 
-        Returns (coefficients, potential at the zone's middle, mean potential minus that). rough:
-        whether a far field with an error of 1e-7 of the whole field is accurate enough.
+        Returns (coefficients, potential at the zone's middle, mean potential minus the potential at
+        the middle). rough: whether a far field with an error of 1e-7 of the whole field is accurate
+        enough.
         """
         leaves = np.append(y, 0.0)[self.lead] * self.scale
         series, middle, mean = self.far(leaves, rough)

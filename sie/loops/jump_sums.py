@@ -10,8 +10,9 @@ from numba import njit
 def densities(begin: int, end: int, jumps: Any, lists: Any, points: Any, out: Any) -> None:
     """Set the densities of all jumps in the zone of each of the points begin ... end - 1.
 
-    jumps: (distance from the zone's left end, root of it, root of the distance from the right end,
-    order, weight) of each jump. lists: (jumps zone after zone, first of a zone, number in a zone).
+    jumps: (distance from the zone's left end, square root of this distance, square root of the
+    distance from the right end, order, weight) of each jump. lists: (indices of the jumps, zone
+    after zone; position of each zone's first jump in this list; number of each zone's jumps).
     points: (zone, distances from both ends of the zone).
     """
     at, root_left, root_right, order, weight = jumps

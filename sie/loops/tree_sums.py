@@ -1,7 +1,7 @@
 """Compiled loops of the fast sums over a tree (see `sie.trees.far`).
 
-No matrix and no table is stored. What the array versions keep between sums is computed again, which
-takes about as long as reading it from memory.
+No matrix and no table is stored. The loops compute again the matrices that the array versions keep
+between sums. This takes about as long as reading them from memory.
 """
 
 import math
@@ -11,7 +11,8 @@ import numpy as np
 from numba import njit
 
 # Number of nodes of a tree that are treated together, by vector operations of the processor. The
-# rows of their matrices fit into its fastest cache. With 16 nodes the loops take twice as long.
+# rows of the nodes' matrices fit into the processor's fastest cache. With 16 nodes the loops take
+# twice as long.
 LANES = 64
 
 
@@ -64,9 +65,9 @@ def _next_row(j: int, alpha: Any, beta: Any, rows: Any) -> None:
     """Compute row j of the matrices A with T_j(alpha + beta s) = sum_k A_jk T_k(s).
     The rows must be computed in ascending order.
 
-    rows (3, terms + 3, LANES): three successive rows of one matrix for each lane. The coefficient
-    of T_k is at k + 1, and that of T_0 is doubled. With coefficient 1 repeated at 0, one recurrence
-    then holds for all k.
+    rows (3, terms + 3, LANES): three successive rows of one matrix for each of the LANES nodes. The
+    coefficient of T_k is at index k + 1, and that of T_0 is doubled. The coefficient of T_1 is
+    repeated at index 0. So one recurrence holds for all k.
     """
     new, row, before = rows[j % 3], rows[(j - 1) % 3], rows[(j - 2) % 3]
     if j == 1:

@@ -225,7 +225,7 @@ class LevelRows(ManyRows):
         return np.concatenate(rows)
 
     def integral_rows(self, weight: Weight, degree: int | None) -> tuple[list[Array], Array]:
-        """(rows for the integral of `weight` * density over each zone, known parts of them)."""
+        """(rows for integrals of `weight` * density over zones, known parts of the integrals)."""
         if (weight, degree) not in self._integrals:
             known, rows, layout = np.zeros(len(self.zones)), [], self.sums.layout
             for i, basis in enumerate(bases_of(self.zones)):

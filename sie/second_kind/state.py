@@ -164,7 +164,7 @@ class SecondKindState(Resolved):
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of each moving end (Z, 2) due to truncated series, over the width of its zone."""
+        """Error of each moving end (Z, 2) due to truncated series, divided by its zone's width."""
         zones = self.density.zones
         slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         steps = zones.weight.end_step(self.intensity_truncation, np.maximum(slopes, 1e-300))
@@ -174,7 +174,8 @@ class SecondKindState(Resolved):
     def intensity_truncation(self) -> Array:
         """Error of the intensity K at the left and right ends due to truncated series (2, Z).
 
-        The own missing coefficients count once, and once more through the other rows.
+        The missing coefficients of a zone count twice: once directly, and once because they change
+        the rows of other zones.
         """
         return np.asarray(2 * self.density.zones.edge_scale * self.missing)
 
@@ -257,8 +258,8 @@ class SecondKindState(Resolved):
 
         Truncated coefficients act on the rows of other zones as the last kept one does, or less.
         The residual between the nodes and next to the ends, above its round-off, is an error of the
-        rows. The right side is evaluated at rounded places. So its round-off is that of the places
-        times its slope, which is that of the density or less.
+        rows. The right side g is evaluated at rounded places. So the round-off of g is that of the
+        places times the slope of g. The slope of the density is used as a bound of the slope of g.
         """
         zones, m = self.density.zones, self.system.layout.m
         unit = EPS * (OPTIONS.complex_rounding if zones.weight.is_complex else 1.0)

@@ -7,9 +7,10 @@ from sie.basis.data import Array
 
 def cells_around(a: Array, b: Array, lo: float, hi: float) -> Array:
     """Ends of the cells: the intervals [a, b], and parts of the gaps between them.
-    The intervals are in ascending order. `lo` and `hi` are the ends of all cells.
+    The intervals are in ascending order. The cells together cover the line from `lo` to `hi`.
 
-    The parts double in length away from an interval. This way few intervals are near any cell.
+    In a gap, each part is twice as long as the one before it, counted from an interval. This way
+    few intervals are near any cell.
     """
     before = np.diff(np.concatenate(([2 * lo - a[0]], b[:-1], a)).reshape(2, -1), axis=0)[0]
     after = np.append(before[1:], 2 * (hi - b[-1]))

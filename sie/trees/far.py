@@ -99,9 +99,10 @@ class Nested:
 
     @cached_property
     def rises(self) -> Array:
-        """Rise of the potential from a parent's middle to its child's, per term of the transform.
+        """Rise of the potential from a parent's middle to a child's middle, for each term.
 
-        Each row holds the factors of the coefficients of the parent's transform.
+        A term is one of the Chebyshev series of the transform on the parent. Row n holds the rises
+        from the parent of node n to node n, for unit coefficients.
         """
         tree = self.tree
         up = np.maximum(tree.parent, 0)
@@ -156,7 +157,8 @@ class Nested:
         """Fields on every interval, each the sum of the fields given at the tree nodes around it.
 
         The result is (Chebyshev series of the transform (intervals, terms), potential at the
-        middle, correction to be added to this potential). The correction holds its round-off.
+        middle, correction to be added to this potential). The correction is the potential's
+        round-off.
         """
         tree, terms, leaves = self.tree, len(series), self.tree.leaves
         rest = np.zeros_like(middle)
@@ -221,11 +223,11 @@ class FarSum:
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
         """Matrix and row that give the fields of the kernel's regular part from moments.
-        They are the moments of a density. The matrix gives the transform, the row the potential.
 
-        Both act on the moments of the root of the source tree. They give the transform at Chebyshev
-        nodes, and the potential at the middle, of the root of the target tree. A regular part given
-        by the user is treated by panels instead, and the result is None.
+        Both act on a density's moments at the root of the source tree. The matrix gives the
+        transform at Chebyshev nodes of the root of the target tree, the row gives the potential at
+        the middle of this root. A regular part given by the user is treated by panels instead, and
+        the result is None.
         """
         kernel = self.kernel
         if kernel.regular is None or not kernel.sure:

@@ -1,7 +1,8 @@
 """A smooth kernel between panels of equal length, as a short Chebyshev series on each pair.
 
 A user's kernel k(x, xi) is known to be smooth, but on which length it varies is found by sampling.
-The line is divided into panels, which are halved until the coefficients have decayed on any pair,
+The line is divided into panels. They are halved until, for x and xi on any pair of panels, the
+coefficients of the following series have decayed (t, tau: positions from -1 to 1 on the panels):
 
     k(x, xi) = sum_kl K^(d)_kl T_k(t) T_l(tau),
 
@@ -9,7 +10,7 @@ where d is the number of panels by which x lies to the right of xi. The coeffici
 K^(d) for each lag d. The moments of a panel are sum_q w_q T_l(tau_q), over the quadrature nodes of
 the zones on it. The field at points follows from the moments by series on the panels, in time
 linear in zones and points. A kernel that does not depend on x - xi alone is treated by a skeleton
-instead. It is then called for positions on zones only.
+instead (`sie.trees.skeleton`). The kernel is then called for positions on zones only.
 """
 
 from __future__ import annotations
@@ -164,7 +165,9 @@ class Panels(Kept):
             for start in range(low, high, SUMS.cache_pairs // TERMS):
                 lags = np.arange(start, min(start + SUMS.cache_pairs // TERMS, high))
                 # The source is on panel 0 if the distance d >= 0, and the target is on panel 0 if d
-                # < 0. So both panels lie where the kernel is defined.
+                # < 0. So both panel numbers lie between 0 and |d|. Without a period, |d| is below
+                # the number of panels. So the kernel is not called outside the panels, where it
+                # may be undefined.
                 target, source = np.maximum(lags, 0)[:, None], np.maximum(-lags, 0)[:, None]
                 out[lags - low] = self._coefficients(
                     potential, self.place(target) + nodes, self.place(source) + nodes

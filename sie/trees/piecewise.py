@@ -10,7 +10,7 @@ forms of the pieces near the cell,
     int_-1^1 (p_0 + p_1 u + p_2 u^2) / (z - u) du
         = (p_0 + p_1 z + p_2 z^2) ln|(z + 1)/(z - 1)| - 2 p_1 - 2 p_2 z.
 
-So no number is larger than f itself, whereas truncated powers of n jumps grow to n^2 times it.
+So no number is larger than f itself, whereas truncated powers of n jumps grow to n^2 times f.
 """
 
 from collections.abc import Sequence
@@ -194,7 +194,7 @@ class PiecewiseTransform:
     def _near(self, cell: Index, from_left: Array, from_right: Array) -> Array:
         """Sum at each point of the closed forms of the jumps near the point's cell.
 
-        Points are given by their cells and their distances from both ends of these.
+        Points are given by their cells and their distances from both ends of the cells.
         """
         shape = np.broadcast_shapes(cell.shape, from_left.shape)
         cell, x = np.broadcast_to(cell, shape).ravel(), np.broadcast_to(from_left, shape).ravel()
@@ -259,8 +259,9 @@ class PiecewiseTransform:
 class PiecesInPlane(Kept):
     """The pieces of a piecewise quadratic function, as sources of fields at complex points.
 
-    tree: over the pieces. series: first moments of its nodes, as coefficients of T_l / sqrt(1 -
-    t^2). local: coefficients of each piece in the variable u, which goes from -1 to 1.
+    tree: over the pieces. series: the first TERMS moments of each node of the tree, as coefficients
+    of T_l / sqrt(1 - t^2). local: coefficients of each piece in the variable u, which goes from -1
+    to 1.
     """
 
     tree: Tree

@@ -205,7 +205,7 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
 
 
 def _misses(skeleton: Skeleton, x: Array, xi: Array) -> float:
-    """Largest error of the interpolated kernel at x and xi, over the kernel's largest value."""
+    """Largest error of the interpolated kernel at x and xi, divided by its largest value."""
     shares, worst = skeleton.shares(xi), 0.0
     for function, size in zip(_functions(skeleton.kernel), skeleton.scale, strict=True):
         off = np.asarray(function(x[:, None], skeleton.places)) @ shares.T - function(

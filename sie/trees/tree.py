@@ -2,8 +2,9 @@
 
 Nodes are the hulls of the intervals they hold. A node is split at the middle of its hull, and a
 leaf is one interval. Two nodes are *far* if the gap between them is at least `SEPARATION` times the
-larger half width. Then z >= 1 + SEPARATION from either side, and series of `TERMS` Chebyshev terms
-leave rho^TERMS < 1e-16, rho = z - sqrt(z^2 - 1).
+larger half width. Let z be a distance from the middle of one node, divided by its half width. All
+points of the other node then have z >= 1 + SEPARATION. So series of `TERMS` Chebyshev terms have
+the error rho^TERMS < 1e-16, with rho = z - sqrt(z^2 - 1).
 """
 
 from __future__ import annotations
