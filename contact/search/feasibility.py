@@ -1,15 +1,16 @@
 r"""Controls that no load can bring about, refused before any search.
 
 Flat tops: where f is least on a whole stretch, all of the stretch is in contact under any load. In
-contact u = approach - f, so that u is there at most approach - min f. As u is harmonic in the body,
-it is smaller than that outside contact. A point of the stretch outside contact would therefore have
-a negative gap. So contact is wider than the stretches together under every positive load, and
-narrows to them as the load goes to zero.
+contact the displacement is u = approach - f, which is at most approach - min f. As u is harmonic in
+the body, u is smaller than this bound outside contact. A point of the stretch outside contact would
+therefore have a negative gap. So contact is wider than the stretches together under every positive
+load, and narrows to them as the load goes to zero.
 
-A body on the whole line that falls without bound on one side finds no hold under any load. Far away
-the gap is f(x) - tilt x up to a logarithm, so that f must rise faster than tilt x on both sides.
-That is checked from decade to decade, far beyond any contact. Where the tilt is unknown, some tilt
-must do: f must not fall faster than all straight lines on either side, and f(x) + f(-x) must rise.
+A body on the whole line that falls without bound on one side has no equilibrium under any load. Far
+away the gap is f(x) - tilt x up to a logarithm, so that f must rise faster than tilt x on both
+sides. This growth is checked from decade to decade of x, far beyond any contact. Where the tilt is
+unknown, some tilt must do: f must not fall faster than all straight lines on either side, and
+f(x) + f(-x) must rise.
 """
 
 import numpy as np

@@ -1,8 +1,7 @@
 """Loading paths of surfaces that adhere: up and down a list of values, through every jump.
 
-Each jump has the energy that it loses. Between two values the contact is followed
-(contact.adhesion.loading_path). At the values it is solved, with its stated error and
-certificate.
+The energy lost in each jump is recorded. Between two values the contact is followed
+(contact.adhesion.loading_path). At the values it is solved, with its stated error and certificate.
 """
 
 from dataclasses import dataclass, field, replace
@@ -189,7 +188,7 @@ class AdhesivePath(Path):
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """A matplotlib figure: load over approach with the jumps, and the surfaces before pull-off.
+        """A matplotlib figure: load against approach with jumps, and surfaces before pull-off.
 
         Parameters
         ----------

@@ -91,9 +91,9 @@ def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
 
 
 def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
-    """Largest distance of a zone end from its place in `exact`, over the exact zone's width.
+    """Largest distance of a zone end from its place in `exact`, relative to the zone's width.
 
-    It is None if the numbers of zones differ.
+    The zone width is that of `exact`. None if the numbers of zones differ.
     """
     if attempt.solution is None or exact.solution is None:
         return None
@@ -233,7 +233,8 @@ def _attempt(name: str, scene: Scene, model: Interaction, tol: float) -> Attempt
 def _under(scene: Scene, model: Interaction) -> Scene:
     """The same scene with another interaction model.
 
-    A model that does not accept a mean pressure gets the load per period that it stands for.
+    A model that does not accept a mean pressure gets the load per period (mean pressure times
+    period).
     """
     if (
         scene.mean_pressure is None

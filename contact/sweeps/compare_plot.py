@@ -39,7 +39,7 @@ Styles = dict[str, dict[str, Any]]
 def styles_of(names: list[str]) -> Styles:
     """Colour and dashes of the line of each model, the exact one last.
 
-    More neighbours have a darker line. The other models differ in dashes, too.
+    A model with more neighbours has a darker line. The other models differ in dashes, too.
     """
     known: Styles = {
         "isolated": {"color": BODY, "linestyle": ":"},
@@ -105,7 +105,7 @@ def _draw_pressures(axes: Any, solved: dict[str, Solution], styles: Styles) -> N
 
 
 def _draw_differences(axes: Any, attempts: list[Attempt], exact: Solution, styles: Styles) -> None:
-    """Draw the pressure error relative to the largest pressure, at sample points of both."""
+    """Draw each model's pressure error, relative to the largest exact pressure."""
     column, scale = _stretch(exact), top_pressure(exact)
     lo, hi = column.lo, column.hi
     for attempt in attempts:

@@ -26,7 +26,7 @@ class Missed:
         self.failures.append((float(value), failure))
 
     def refuse(self, solved: int, best: Any) -> None:
-        """Raise NotConverged if values were missed; `best` has the answers at the others.
+        """Raise NotConverged if values were missed; `best` has the solutions at the other values.
 
         solved: number of the values that were solved.
         """

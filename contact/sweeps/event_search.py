@@ -1,11 +1,11 @@
-"""The events between two loads of contact that grows with the load, one after the other.
+"""The search for all events between two loads of a contact that grows with the load.
 
-The search follows the contact from the lower load. Rates, derivatives by s = ln(load), predict the
-next event. With the zones of one side of an event, its condition is a smooth function of s, and
-values and derivatives at few loads give its zero by inverse Hermite interpolation. Each value takes
-one solution with a fixed number of zones; mostly two suffice. The last of them is the contact at
-the event, from which the search goes on. If bodies overlap there, a zone was born before, and the
-first such birth is located instead.
+The search follows the contact from the lower load, from event to event. Rates, derivatives by s =
+ln(load), predict the next event. With the zones that exist on one side of an event, its condition
+is a smooth function of s, and values and derivatives at few loads give its zero by inverse Hermite
+interpolation. Each value takes one solution with a fixed number of zones; mostly two solutions
+suffice. The last of them is the contact at the event, from which the search goes on. If bodies
+overlap there, a zone was born before, and the first such birth is located instead.
 
 A kind of event is a class: its name, the zones with which its condition is smooth, the condition,
 and the zones after it (`Birth`, `Merger`).
@@ -171,9 +171,9 @@ Awaited = Birth | Merger
 class PathPoint(sie.Kept):
     """A contact on the path of growing loads, given by its pressure and gap.
 
-    at: ln(scaled load). born: zones of no width that are to be added (k, 3): scaled place, rate at
-    which bodies overlap there without the zone, half the second derivative of the gap. pieces:
-    intervals (m, 2) that come into contact up to the higher load.
+    at: ln(scaled load). born: zones of no width that are to be added, one row each (k, 3): scaled
+    place, rate at which bodies overlap there without the zone, half the second derivative of the
+    gap. pieces: intervals (m, 2) that come into contact up to the higher load.
     """
 
     fields: Fields
@@ -650,7 +650,8 @@ class EventSearch:
         """The birth, with its condition (the least gap) at the contact `here`.
         None if the gap has no minimum there.
 
-        Zones that have just been born change the rates, so that they serve a prediction only.
+        If zones have just been born at `here`, its rates are about to change. The condition there
+        then serves for the prediction only, and is not kept as a known value.
         """
         one = Watched(birth)
         one.look(here)

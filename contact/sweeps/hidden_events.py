@@ -6,7 +6,8 @@ loads. When two zones merge, an end jumps. So the distance that an end has moved
 the trapezoidal rule for its rate; a disagreement asks for a load in between.
 
 Next to a narrow zone or gap an end moves like the square root of the distance to the load of its
-birth or closure. Its rate times the width of that zone or gap varies slowly, and is used instead.
+birth or closure. The rate of such an end, times the width of that zone or gap, varies slowly and is
+used instead.
 """
 
 from collections.abc import Iterator

@@ -16,7 +16,7 @@ from sie import Array
 
 
 def refuse_unloading(scene: Scene, loads: Array, blamed: tuple[str, Any, str]) -> None:
-    """Raise SceneError if loads fall under a law whose unloading is another scene.
+    """Raise SceneError if the loads decrease under a law that unloads in another scene.
 
     blamed: name and value of the wrong parameter, and what the parameter must be.
     """

@@ -10,12 +10,12 @@ where the operator S gives the displacement u = S p,
     isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell.
 
 These formulas are for half-planes. For other bodies u_k is multiplied by their symbol, and
-u_0 = 2 p_0 c / E with their compression c. If isolated, they add to the kernel a smooth function
-`rest` of the lag x - xi and the width of a cell.
+u_0 = 2 p_0 c / E with their compression c. Other isolated bodies add to the kernel a smooth
+function `rest` of the lag x - xi and the width of a cell.
 
-The problem is that of Polonsky & Keer (1999), Wear 231, 206-219,
-doi 10.1016/S0043-1648(99)00113-1, and like theirs the method is a conjugate gradient with FFTs. Two
-things differ, so that the number of iterations does not grow with n:
+The problem is that of Polonsky & Keer (1999), Wear 231, 206-219, doi 10.1016/S0043-1648(99)00113-1,
+and the method here, like that of the paper, is a conjugate gradient with FFTs. Two things differ,
+so that the number of iterations does not grow with n:
 
 * The contact set changes between linear solves, not within them: points in tension are dropped,
   points that interpenetrate are added. The inverse of S is an M-matrix (its off-diagonals are
@@ -67,10 +67,11 @@ class GridOptions:
 
     @property
     def fine_tolerance(self) -> float:
-        """Tolerance of the finest grid of a first guess, and of derivatives by load and tilt.
+        """Tolerance of the finest grid of a first guess, and of rates by load and by tilt.
 
-        The derivatives are those of the level (displacement plus height in contact) and of the
-        moment. Ends of zones found with a smaller tolerance need as many steps of Newton's method.
+        The rates are d level / d load, where the level is displacement plus height in contact, and
+        d moment / d tilt. From a first guess with a smaller tolerance, Newton's method would need
+        as many steps.
         """
         return self.first_tolerance**2
 
@@ -329,7 +330,7 @@ def solve_grid(
 
 
 def turning_rate(state: GridState, x: Array) -> float:
-    """Derivative of the moment by the tilt, at fixed load and fixed contact set.
+    """Derivative of the moment with respect to the tilt, at fixed load and fixed contact set.
 
     It is the moment of the pressure under the shape -x. Motions of the ends have no effect at first
     order, as the pressure is zero there.
@@ -418,8 +419,8 @@ class _Run:
 
         With the length L of the period, p = load / L - D shape and u = level - shape.
 
-        It is in closed form: the sign of the smallest pressure decides whether there is a gap, so
-        that the pressure must have all its digits. Returns the same as `conjugate_gradient`.
+        The sign of the smallest pressure decides whether there is a gap. An iteration would not
+        give this pressure to all digits. Returns the same as `conjugate_gradient`.
         """
         n, h = self.influence.n, self.influence.h
         self.iterations += 1

@@ -1,10 +1,10 @@
 r"""Zones proposed by a contact on grids, refined until zones and gaps are a few cells wide.
 
 The grid (contact.search.grid.conjugate_gradient) gives the number of zones, and their ends to a
-fraction of a cell; Newton's method then makes them exact. At a distance d from an end p ~ A
-sqrt(d), so that p^2 is linear and its zero is extrapolated between the points. A zone of one or two
-cells is taken as a Hertz contact: its load P and the curvature 1/R of the gap give a = 2 sqrt(P R /
-(pi E)).
+fraction of a cell; Newton's method then makes them exact. At a small distance d from an end the
+pressure p is proportional to sqrt(d). So p^2 is linear in d, and its zero is extrapolated from the
+points. A zone of one or two cells is taken as a Hertz contact: its load P and the curvature 1/R of
+the gap give its half width 2 sqrt(P R / (pi E)).
 """
 
 import math
@@ -308,9 +308,9 @@ def points_for(width: float, resolution: float | None, most: int) -> tuple[int, 
 def _fast_size(least: float) -> int:
     """The number of points of the last of the nested grids: `least`, or slightly more.
 
-    It is a fast length of the FFT, and `coarsest` to 2 `coarsest` points doubled several times.
-    Powers of two would be up to twice `least`, and for 2^19 points a transform takes three times as
-    long as for 320,000, as it uses the processor's cache badly.
+    It is a fast length of the FFT: a number from `coarsest` to 2 `coarsest`, doubled several times.
+    A power of two could be twice `least`. A transform of 2^19 points also takes three times as long
+    as one of 320,000, as it uses the processor's cache badly.
     """
     doublings = int(math.log2(least / OPTIONS.coarsest))
     return int(scipy.fft.next_fast_len(math.ceil(least / 2**doublings), real=True)) << doublings

@@ -1,4 +1,4 @@
-"""Zones proposed by a coarse grid, in the scaled variables and the order of the problem."""
+"""Zones proposed by a coarse grid, then scaled and moved into the cell of the problem."""
 
 from __future__ import annotations
 
@@ -86,8 +86,8 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
     """Zones from a grid, under a load at which their scaled total width is about `width`.
 
     The load is bracketed on a grid that just resolves the width. Each of the finer nested grids
-    corrects it. The finest grid then removes a small error only. Without the finest grid a rough
-    contact of more than 30 zones takes two to four times as long.
+    corrects the load. The finest grid then removes a small error only. Without the finest grid a
+    rough contact of more than 30 zones takes two to four times as long.
     """
     grids, period = nested_grids.OPTIONS, scaled.problem.repeat_length
     least = grids.coarsest * period / min(width, period - width)
@@ -111,7 +111,7 @@ def _corrected(
     """A scaled load, corrected on a grid so that the zones have a given total width.
 
     start: a load, the rate of the width's error with the logarithm of the load, and the zones of a
-    coarser grid. Returns the same for a grid of this many points (None: the finest grid).
+    coarser grid. Returns these three for a grid of `points` points (None: the finest grid).
     """
     (load, rate, near), before = start, (math.nan, math.nan)
     tried: list[tuple[float, Proposal]] = []
@@ -152,7 +152,7 @@ def _load_of_width(scaled: ScaledScene, width: float, points: int) -> tuple[floa
 
     points: number of points of the grid.
 
-    Returns the load, the rate of the width's error with its logarithm, and the zones.
+    Returns the load, the rate of the width's error with the logarithm of the load, and the zones.
     """
     units, period = scaled.problem.units, scaled.problem.repeat_length
     smaller = min(width, period - width)

@@ -253,7 +253,7 @@ def meets_far_away(scene: Scene, window: Window) -> float | None:
 
     The displacement of a half-plane grows like the logarithm of the distance, (2 P / pi E*) ln(x),
     and so exceeds any rise of the profile. None if the body is not level far away, if no load is
-    given, or if the distance is larger than that of all points where the gap is tested.
+    given, or if all points where the gap is tested are nearer than this distance.
     """
     profile, load = scene.profile, scene.given_load
     known = profile.period is not None or known_part(profile) is not None
@@ -298,8 +298,8 @@ def _deeper_place(profile: Profile, window: Window) -> float | None:
 def _origin_of(profile: Profile, window: Window) -> float:
     """The origin of x: the lowest sharp tip in a window; the window's middle if it has no tip.
 
-    An end may come close to a tip, as for a wedge that touches with its flank. It is then precise
-    as a distance from the tip.
+    An end may come close to a tip, as for a wedge that touches with its flank. Measured from the
+    tip, the position of this end keeps its digits.
     """
     tips = profile.kinks[profile.kinks[:, 1] > 0, 0]
     tips = tips[(window[0] < tips) & (tips < window[1])]

@@ -55,7 +55,7 @@ OPTIONS = TiltOptions()
 def known_part(profile: Profile) -> Window | None:
     """The interval [m] on which a turned body is defined; None for the whole line.
 
-    It ends at the corners, at the ends of the single cell, or at those of the trace.
+    Its ends are the corners of a punch, the ends of the single cell or the ends of the trace.
     """
     return profile.support or Tilted(profile, 0.0).extent
 
@@ -152,8 +152,8 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
 class _Tilting:
     """The function from a tilt to its contact; it stores the search intervals of earlier tilts.
 
-    At a tilt between two others, the contact lies between theirs. A window about both therefore
-    also contains asperities that are far apart.
+    At a tilt between two others, the contact lies between the contacts at those two tilts. A window
+    about both contacts therefore also contains asperities that are far apart.
     """
 
     scene: Scene

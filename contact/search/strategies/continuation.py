@@ -1,9 +1,9 @@
-"""The contact from the previous ones on a curve of values of one control.
+"""The contact at one value of a control, from the contacts at previous values.
 
-The zones are extrapolated to the new value in the scaled problem of the last solution. If Newton's
-method finds them far from the solution, the zones of a grid follow. If only their number is wrong,
-the topology loop corrects it without a grid: zones are born where the gap is negative, and gaps
-that close are dropped.
+The zones are extrapolated to the new value in the scaled problem of the last solution. If these
+zones prove to be far from the solution, the zones of a grid are tried next. If only the number of
+zones is wrong, the topology loop corrects it without a grid: zones are born where the gap is
+negative, and gaps that close are dropped.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Full contact: the load at which it begins, and the controls that ask for it or beyond."""
+"""Full contact: the load at which it begins, and checks of controls that ask for it or for more."""
 
 import math
 
@@ -46,8 +46,8 @@ def full_under(context: SolveContext, control: Control, but_for_kinks: bool = Fa
     """Full contact if the given load or approach is large enough for full contact, else None.
 
     The control is large enough if its mean pressure is at least that at which full contact begins.
-    but_for_kinks: gaps over the kinks of valleys that are narrower than the digits resolve count as
-    closed.
+    but_for_kinks: gaps over kinks of valleys count as closed if they are too narrow for double
+    precision.
     """
     limit = context.full
     if not (limit.is_known if but_for_kinks else limit.possible):

@@ -195,8 +195,8 @@ def _half_width_on_branch(context: SolveContext, problem: Problem, control: Cont
     """Approximate half width of one zone, found along the branch of contacts from zero load.
 
     The controlled quantity grows with the width up to a maximum; OutOfRange is raised beyond it. In
-    a strip with neighbours it grows up to the border of the strip, as the logarithm of the gap
-    there.
+    a strip with neighbours there is no maximum: near the border of the strip the quantity is linear
+    in the logarithm of the gap between zone and border.
     """
     with context.plan.timed("zone ends"):
         half_widths, values = single_branch(problem, control)

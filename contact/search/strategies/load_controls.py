@@ -1,7 +1,8 @@
 """Contacts of a given approach or contact fraction, found from contacts under given loads.
 
 A contact under a load can always be found. The load is bracketed until the controlled quantity is
-close to its given value. From the zones under that load Newton's method finds those of the control.
+close to its given value. From the zones under that load Newton's method finds the zones at the
+given value itself.
 """
 
 import math
@@ -213,8 +214,8 @@ def _at_jump(
 ) -> SolvedZones | SolvedGaps:
     """The contact of a given width, solved under the load at which `last` has this width.
 
-    It is used where solving for the width fails, as a zone is born or two merge there. Raises
-    NotConverged where the fraction jumps with the load.
+    This is used at a load at which a zone is born or two zones merge, as solving for the width
+    fails there. Raises NotConverged where the contact fraction jumps with the load.
     """
     assert last.contact_fraction is not None and problem.period is not None
     error = abs(last.contact_fraction - control.value / problem.period)

@@ -3,13 +3,13 @@
 A solution under a load always exists and is unique, so that a bracket on the load cannot fail.
 Newton's step assumes that the quantity is a power of the load, plus a constant. The exponent is
 fitted to the last two rates: about -2 for the approach of a tilted body, 1 for other approaches,
-1/2 for a contact fraction. Each load is solved from the zones of the nearest one. The approach of
-an upright body is concave in the load and stays below its tangents, which soon show that no load
-has the wanted approach.
+1/2 for a contact fraction. Each load is solved from the zones at the nearest load solved before.
+The approach of an upright body is concave in the load and stays below its tangents, which soon show
+that no load has the wanted approach.
 
-A user's own control is found by the same bracket. A second solution under a slightly smaller load
-gives the rates of the quantity, of the zones and of the pressure. From these the error that comes
-from the load is estimated.
+The load for a user-defined control is found with the same bracket. A second solution under a
+slightly smaller load gives the rates of the quantity, of the zones and of the pressure. From these
+the error that comes from the load is estimated.
 """
 
 import math
@@ -71,8 +71,8 @@ def nearer(
     """Yield solutions at which a quantity approaches `goal`, each with the error of its load.
     The error is relative to the load.
 
-    first: the load to begin with [N/m]. The search ends when the bracket is closed or no load can
-    have the goal. Raises OutOfRange if no load has a solution at all.
+    first: the load to begin with [N/m]. The search ends when the bracket is closed, or when no load
+    can give the goal. Raises OutOfRange if no load has a solution at all.
     """
     search = _Bracket(goal, limits, first)
     refused: OutOfRange | None = None
@@ -203,7 +203,10 @@ def by_quantity(
     warm_start: Solution | None,
     solve: Callable[[Scene, float, Solution | None], Solution],
 ) -> Solution:
-    """The contact at which a user-defined quantity has a given value. solve: solves at a load."""
+    """The contact at which a user-defined quantity has a given value.
+
+    solve: a function of a scene, its tolerance and a start, which returns the solution.
+    """
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
     tolerance = max(SEARCH.tight_factor * tol, SEARCH.least_error)
     told = AuthorMethod(f"{control.name}.of(solution)", "control")

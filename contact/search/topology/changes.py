@@ -35,8 +35,9 @@ class Change:
     def ahead(self) -> bool:
         """Whether the change is located with the zones that exist before it, not after.
 
-        The condition of the change is smooth with the zones without the one that begins or
-        vanishes, or with two zones as one.
+        These are always the fewer zones: without the one that begins or vanishes, or with one in
+        place of the two that meet or part. With them the condition of the change is a smooth
+        function.
         """
         return self.kind in ("birth", "split")
 

@@ -5,7 +5,7 @@ gaps are smooth functions of s, through births and mergers too: a zone is born, 
 where its squared half width is zero. An end is taken from the narrower of the zone and the gap that
 it bounds. That interval is extrapolated by Hermite's polynomial through its values and rates at the
 last solutions that have it. An interval whose squared half width becomes negative has vanished, and
-where the least gap of a place becomes negative a zone is born.
+a zone is born where a local minimum of the gap becomes negative.
 """
 
 from __future__ import annotations
@@ -188,10 +188,10 @@ def hermite_weights(away: Array) -> tuple[Array, Array]:
 
 
 def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, Array]:
-    """For each interval of `table`: the index of its partner in `other`, and a shift of it.
-    The index is -1 without a partner. The shift by whole periods moves the partner to the interval.
+    """For each interval of `table`: the index of its partner in `other`, and the partner's shift.
 
-    Partners overlap each other and no third interval.
+    The index is -1 without a partner. The shift, a multiple of the period, moves the partner to the
+    interval. Partners overlap each other and no third interval.
     """
     turn = (
         np.zeros(len(other))

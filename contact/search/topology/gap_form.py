@@ -40,8 +40,8 @@ class GapForm:
     def equation(self, control: Control) -> sie.Equation:
         """The integral equation for the slope of the gap.
 
-        The mean pressure is the unknown amplitude of a constant term. Subtracting it from the right
-        side instead would cancel most digits of both.
+        The mean pressure is the unknown amplitude of a constant term. If it were subtracted from
+        the right side instead, most digits would cancel.
         """
         problem, slope = self.problem, self.problem.forcing
         right = sie.Forcing(

@@ -1,10 +1,11 @@
 """The loop that finds the number of intervals: Newton on the ends, check of signs, correction.
 
 The intervals are the zones, with the pressure as the unknown, or the gaps, with the slope of the
-gap; a `Formulation` holds what differs. The frictionless problem is convex: if pressure and gap
-have the right sign on the whole line, the intervals are the solution. Otherwise their number is
-wrong. Parts of an interval with a wrong sign are cut out. Outside the intervals, a new interval
-begins where the sign is wrong. Intervals that vanish are dropped, and those that meet are merged.
+gap; a `Formulation` holds what differs between the two. The frictionless problem is convex: if
+pressure and gap have the right sign on the whole line, the intervals are the solution. Otherwise
+their number is wrong. Parts of an interval with a wrong sign are cut out. Outside the intervals, a
+new interval begins where the sign is wrong. Intervals that vanish are dropped, and those that meet
+are merged.
 """
 
 from __future__ import annotations
@@ -409,8 +410,8 @@ class _Loop(Generic[Kind]):
 def end_errors(free: sie.Free, truncation: Array | float) -> Array:
     """Bounds (n, 2) of the errors of the ends of n intervals, enlarged by a safety factor.
 
-    Signs closer to an end than this are not checked. truncation: error of each end (n, 2) by
-    truncated series, relative to the width of its interval.
+    Signs closer to an end than this are not checked. truncation: error of each end (n, 2) that
+    truncated series cause, relative to the width of its interval.
     """
     zones = free.density.zones
     relative = free.end_error + truncation

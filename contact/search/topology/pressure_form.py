@@ -46,8 +46,9 @@ class PressureForm:
     def begun(self, table: Array) -> Array:
         """The proposed zones, ordered so that the period begins in a wide gap.
 
-        The equation makes the levels of successive zones equal, so that rounding adds up towards
-        the border of the period. A narrow zone at the border would be disturbed by all of it.
+        The equation makes the levels (displacement plus height) of successive zones equal, so that
+        rounding errors add up towards the border of the period. All of them would disturb a narrow
+        zone at the border.
         """
         problem = self.problem
         bounded = bool(np.isfinite(problem.corners).any())
@@ -266,7 +267,8 @@ def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | No
     """Width of the narrow gap over a valley's kink if Newton's method lost this gap, else None.
 
     Such a gap narrows as exp(-pressure) but never closes. It is lost for lack of digits if it is
-    narrow beside its zones, and Newton's method closed it or moved it away from its kink.
+    much narrower than the zones beside it, and if Newton's method closed it or moved it away from
+    its kink.
     """
     kinks, heights = problem.forcing.kinks
     if not np.any(heights < 0) or len(table) < 2 or len(free.density.zones) < len(table):
