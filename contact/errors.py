@@ -94,7 +94,7 @@ class SceneError(ContactError, ValueError):
 
 
 class UnknownArgument(SceneError, TypeError):
-    """Error for an argument that a class does not have; a TypeError as Python's own."""
+    """Error for an argument that a class does not have; a TypeError, like Python's own error."""
 
 
 class NotConverged(ContactError):

@@ -183,8 +183,9 @@ class Solution:
     ) -> Derivative:
         """Derivative of the solution by a parameter, from the derivatives of the problem's data.
 
-        It is the exact derivative of the discrete problem, with the factors at hand: a solve for
-        each of one or a few right sides. With an iteration it takes as many iterations.
+        It is the exact derivative of the discrete problem. With the LU factors of the solution, it
+        takes a solve for each of one or a few right sides; for a solution by iteration, an
+        iteration for each.
 
         Parameters
         ----------

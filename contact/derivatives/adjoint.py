@@ -1,9 +1,9 @@
 r"""The derivative of one number by all heights at once, from one solve of an adjoint equation.
 
-Let V be the potential and T = V' the transform of the kernel. The derivative p' along a change f'
-of the profile has V p' = f' + const on the zones, and a given load. V is symmetric. So a number
-J(p') is the integral of W f' over the zones, where V W is the functional J itself, up to a
-constant:
+Let V be the potential and T = V' the transform of the kernel. The derivative p' of the pressure
+along a change f' of the profile has V p' = f' + const on the zones, and a given load. V is
+symmetric. So a number J(p') is the integral of W f' over the zones, where V W is the functional J
+itself, up to a constant:
 
     load of a zone      V W = 1 on this zone, 0 on the others
     approach            the pressure of a unit load under flat zones
@@ -366,8 +366,8 @@ class _Adjoint:
 def _graded(place: float, lo: float, hi: float) -> Array:
     """Points of [lo, hi] whose distances from `place` are halved again and again, and `place`.
 
-    A polynomial that begins at a knot beside `place` is over the distance from `place` nearly
-    singular there.
+    A polynomial that begins at a knot beside `place`, divided by the distance from `place`, is
+    nearly singular at `place`.
     """
     away = (hi - lo) * 0.5 ** np.arange(1, 2 * NODES)
     at = np.concatenate(([lo, place, hi], place - away, place + away))

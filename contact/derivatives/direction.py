@@ -1,7 +1,7 @@
 """`Direction`: a change of a profile, as a profile of its own.
 
-The derivative of a contact by a parameter of its profile is again a field with a right side: the
-slope of the change. So a change has all that a profile has: height, slope, kinks, jumps.
+The derivative of a contact by a parameter of its profile is again a contact field, whose right side
+is the slope of the change. So a change has all that a profile has: height, slope, kinks and jumps.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Function = Callable[[Array], Array]
 
 
 class MovedPlaces(Exception):
-    """A parameter moves kinks, jumps or corners of a profile. So differences of heights fail."""
+    """Raised if a parameter moves kinks, jumps or corners, so that differences of heights fail."""
 
 
 # Step of the differences by a parameter, divided by the parameter. Their round-off, EPS divided by
@@ -65,8 +65,8 @@ class Direction(Profile):
     """A change of a profile, as a sum of weights times other profiles.
     The change has the period and the corners of the profile `like`.
 
-    stretch: places x of the cell stand for the places x times one of these factors in the parts,
-    see `by_period`.
+    stretch: a factor for each part. At a place x of the cell, the part is taken at x times its
+    factor, see `by_period`.
     """
 
     like: Profile

@@ -1,4 +1,4 @@
-"""Numbers of a solution as functionals of changes of its profile, at the value of its control."""
+"""Numbers of a solution as functionals of changes of its profile, at a fixed control value."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Weighted:
     """The adjoint weights of one number of the solution, such as its load. They are computed on the
     zones and on zones moved by their stated error; the difference shows the error of the weights.
 
-    control: weights of the controlled quantity, of which `unsure` times may be missing or too much;
-    None if the load is given, or if errors are not asked for.
+    control: weights of the controlled quantity; `unsure` times these weights bounds a further
+    error of those in `found`. None if the load is given, or if errors are not asked for.
     """
 
     found: tuple[Weights, ...]
@@ -45,7 +45,9 @@ class Functionals(sie.Kept):
 
     def entry(self, number: str, index: int | tuple[int, ...] = ()) -> Weighted:
         """Adjoint weights of a number of the solution, or of one entry of an array.
-        They are kept. Raises SceneError if there is no such entry, or it has no derivatives.
+
+        The weights are kept. Raises SceneError if there is no such entry, or if it has no
+        derivatives.
         """
         one_of("number", number, NUMBERS + STRESSES)
         at = index if isinstance(index, tuple) else (index,)
@@ -127,7 +129,8 @@ class Functionals(sie.Kept):
         self, fields: Any, functional: Functional, factor: float = 1.0, at: int = 0
     ) -> Functional:
         """`functional` plus `factor` times the derivative of the largest stress.
-        `at` is the index of its place.
+
+        `at` is the index of the place of this stress.
         """
         stress = self.linearized.stress
         assert stress is not None

@@ -1,8 +1,9 @@
-"""The derivatives of a functional of a profile by all points of a measured one.
+"""The derivatives of a functional of a measured profile by the heights of all its points.
 
 The spline through points (x, z) is a cubic on each interval, known from the heights z and slopes s
-at its ends; the slopes solve A s = R z. So the derivative by z of a sum of heights and slopes of
-the spline is g + R' A'^(-1) k, with the derivatives g by z and k by s at fixed s and z.
+at its ends; the slopes solve A s = R z. Let a weighted sum of heights and slopes of the spline have
+the derivatives g by z at fixed s, and k by s at fixed z. Then its whole derivative by z is
+g + R' A'^(-1) k.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 The error has three parts. The zones of the solution are known up to its stated error: so the
 derivatives are computed on two moved copies of the zones too, and the differences are counted. The
-equation for the derivative has a stated error of its own. And the numbers of the solution that
-enter have theirs.
+equation for the derivative has a stated error of its own. And the numbers of the solution from
+which the derivatives are computed have errors.
 """
 
 from __future__ import annotations

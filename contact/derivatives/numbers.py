@@ -18,9 +18,9 @@ Value = float | Array
 class Numbers:
     """Results of a contact, in SI units; nan for results that are not defined or not known.
 
-    approach, max_pressure and max_stress are tables: one entry for each lowest place of the profile
-    and each place of the largest pressure and of the largest stress. Where entries of a derivative
-    differ, it is one-sided.
+    approach, max_pressure and max_stress are arrays: with an entry for each lowest place of the
+    profile, each place of the largest pressure, and each place of the largest stress. Where the
+    entries of a derivative differ, the derivative is one-sided.
     """
 
     load: float

@@ -1,7 +1,8 @@
 """Derivatives of the numbers of a contact by one parameter of its scene, at a fixed load.
 
-A parameter of the profile f changes f. The modulus E*, the edge intensity K of a law and the period
-follow from the derivative D_f along f itself and the derivative by the load P, by scaling:
+A parameter of the profile f changes f. The derivatives of a number J by the modulus E*, by the edge
+intensity K of a law and by the period follow, by scaling, from the derivative D_f J along f itself
+and from that by the load P:
 
     E* dJ/dE* = D_f J - h J                  J grows like the power h of heights
     K dJ/dK   = d J - P dJ/dP - E* dJ/dE*    J grows like the power d of pressures
@@ -64,7 +65,8 @@ class ParameterRates(sie.Kept):
         return numbers_of(scene) | {f"control.{name}": at for name, at in controls.items()}
 
     def of(self, to: Parameter) -> tuple[Change, float]:
-        """Derivatives of all numbers by a parameter, and that of the value [SI] of the control.
+        """Derivatives by a parameter: of all numbers, and of the value [SI] of the control.
+
         The control is the prescribed quantity, such as a mean pressure, and may depend on the
         parameter.
         """
@@ -90,8 +92,9 @@ class ParameterRates(sie.Kept):
         )
 
     def sums(self, weights: Weights, key: str) -> tuple[Array, Array]:
-        """Values of a functional of the profile's changes by all entries of an array parameter.
-        The second array has their relative errors.
+        """Derivatives of a number by all entries of an array parameter, from its adjoint `weights`.
+
+        The second array has the relative errors of the derivatives of the profile.
         """
         table, _, name = key.partition(".")
         profile = self.scene.profile
@@ -228,8 +231,9 @@ class ParameterRates(sie.Kept):
         return self._intensity.times(self._intensity_rate(f"law.{name}"))
 
     def of_stress_alone(self, rates: Array) -> Change:
-        """A change of the scene that changes the largest stress only, with its given derivatives.
-        They are those at the places of the largest stress.
+        """The `Change` by a parameter on which, of all numbers, only the largest stress depends.
+
+        rates: derivatives of the stress at each place of the largest stress.
         """
         nothing, stress = self.linearized.by_load.times(0.0), self.linearized.stress
         assert stress is not None

@@ -1,7 +1,8 @@
 """Places at which the pressure is highest, and at which the profile is lowest.
 
 The derivative of a maximum is that of the function at the fixed place of the maximum. If there are
-several, it is one-sided: it is the largest of theirs.
+several places with the same maximum, the derivative is one-sided: it is the largest of the
+derivatives at these places.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ from contact.verify.minima import SAMPLING
 from sie import Array
 
 # Half width of the window in which the place of a maximum is refined by a polynomial of degree 5,
-# divided by the shortest length over which the function varies. The truncation error is its fifth
-# power, and so as small as round-off.
+# divided by the shortest length over which the function varies. The truncation error is the fifth
+# power of this ratio, and so as small as round-off.
 WINDOW = EPS ** (1 / 5)
 
 

@@ -2,10 +2,11 @@ r"""The derivative of a contact by a change of its profile or of its load: a fie
 
 Let p be the pressure, f the profile, and s a parameter. At first order the zones stay: p vanishes
 at free ends, so that a moved end adds nothing to an integral. On the zones the derivative p' has
-the displacement delta' - f', and outside it is zero. So p' solves the equation of p with f' in
-place of f on the same zones, with the load P'. It is singular, p' ~ k d^(-1/2), at free ends, where
-p ~ A d^(1/2): an end moves outward at the rate 2 k / A. If the gaps are the unknowns, the same
-holds for the slope of the gap. In full contact p' = pbar' - (E*/2) R', R' the relief of f'.
+the displacement delta' - f', with the approach delta; outside the zones p' is zero. So p' solves
+the equation of p with f' in place of f on the same zones, with the load P'. At a distance d from a
+free end p ~ A d^(1/2), but p' ~ k d^(-1/2) is singular: the end moves outward at the rate 2 k / A.
+If the gaps are the unknowns, the same holds for the slope of the gap. In full contact
+p' = pbar' - (E*/2) R', with the mean pressure pbar and the relief R' of f'.
 
 With edge intensities that a law prescribes, p' also has terms d^(-3/2) that keep them
 (`sie.Solution.derivative`).
@@ -42,8 +43,8 @@ class Rate:
     load: derivative of the load. approach: that of the approach of heights f, not counted from the
     lowest place; nan if it has no datum. ends: outward motions (n, 2), loads (n,), intensities k
     (n, 2) of p' at the ends, in the order of the fields' zones. pressure: p' at places x. noise:
-    error of the coefficients of p' over the pressure's unit. fields: those of p', from which
-    stresses follow; None if the stresses are infinite at ends.
+    error of the coefficients of p', divided by the unit of pressure. fields: those of p', from
+    which stresses follow; None if the stresses are infinite at ends.
     """
 
     load: float
@@ -220,7 +221,8 @@ def with_moved_zones(fields: Fields, outward: Array) -> Fields:
     """The fields of the same contact on zones whose ends are moved.
     `outward` (n, 2) [m] has the outward motions.
 
-    The pressure then need not vanish at the ends: it shows how much follows from errors of them.
+    The pressure then need not vanish at the ends. Its change shows the effect of errors of the
+    ends.
     """
     if isinstance(fields, ZoneFields):
         zones = fields.solved_zones

@@ -78,7 +78,8 @@ class Derivative:
 class Response:
     """Derivatives of all numbers of a contact by one parameter, at a fixed value of the control.
 
-    `of(number)` is that of a number with its error; `pressure(x)` that of the pressure at fixed x.
+    `of(number)` is the derivative of a number with its error; `pressure(x)` is the derivative of
+    the pressure at fixed x.
 
     Parameters
     ----------

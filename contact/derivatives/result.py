@@ -47,8 +47,8 @@ from sie import Array
 class Sensitivity(sie.Kept):
     """Derivatives of the numbers of a solution; `contact.sensitivity` makes it.
 
-    Every derivative has its stated error. It is at the given value of the scene's control, except
-    the derivative by the control itself.
+    Every derivative has a stated error, and is taken at a fixed value of the scene's control; only
+    the derivative by the control itself is not.
 
     Parameters
     ----------
@@ -286,7 +286,8 @@ class Sensitivity(sie.Kept):
         if to == "nu":
             rates = self.stress.by_nu
         else:
-            # A unit of strength acts on the load of first yield like a unit of stress less.
+            # One unit more of strength acts on the load of first yield like one unit less of
+            # stress.
             rates = np.full(len(self.stress.points), -1.0 if number == "first_yield" else 0.0)
         return self._response(self._rates.of_stress_alone(rates)).of(number)
 

@@ -2,9 +2,9 @@ r"""Places of the largest equivalent stress in the body, and derivatives of it t
 
 The derivative of the largest stress is that of the stress at the fixed place: where the place is a
 maximum, its own motion changes nothing at first order (the envelope theorem). So it is the sum of
-slopes of the criterion times the stresses of the derivative p' of the pressure. First yield is at
-the load P at which the largest stress s is the strength Y. At a fixed load, a change of the scene
-changes s by s', and a unit of load by s_P, so that
+the slopes of the criterion times the stresses that the derivative p' of the pressure causes. First
+yield is at the load P at which the largest stress s is the strength Y. At a fixed load, a change of
+the scene changes s by s', and a unit of load by s_P, so that
 
     P' = -s' / s_P,    dP / dY = 1 / s_P.
 """

@@ -1,11 +1,11 @@
 """Figures of load paths.
 
-Without adhesion: contact and approach over the load. Contact is the contact fraction, or the width
-in contact without a period. Events are vertical lines and marks on the curve. A falling load is
-drawn dashed and red, since its curve lies on that of the rising load.
+Without adhesion: contact and approach against the load. Contact is the contact fraction, or the
+width in contact without a period. Events are vertical lines and marks on the curve. A falling load
+is drawn dashed and red, since its curve lies on that of the rising load.
 
-With adhesion: load over approach, with dotted jumps, and the surfaces just before pull-off (at the
-last value if there is no pull-off). Without an approach, the abscissa is the contact.
+With adhesion: load against approach, with dotted jumps, and the surfaces just before pull-off (at
+the last value if there is no pull-off). Without an approach, the abscissa is the contact.
 
 Small dots are the computed contacts. Lines between them are straight without adhesion, and monotone
 cubics with adhesion, where the computed equilibria may be far apart.
@@ -192,7 +192,7 @@ def draw_curve(
     jumps: Sequence[tuple[str, float, float, float, float]],
     label: str,
 ) -> None:
-    """Draw the load over the values `across` of the abscissa, and the jumps of the path.
+    """Draw the load against the values `across` of the abscissa, and the jumps of the path.
 
     across [m] and load: (n,), nan at jumps; rises: whether the control rises, (n,); jumps: (kind,
     abscissa and load before, abscissa and load after); label: of the abscissa.
@@ -230,10 +230,10 @@ def draw_curve(
 
 
 def _through(points: Array) -> tuple[Array, list[int]]:
-    """Points (m, 2) of a smooth curve through the given points (n, 2), and the places of these.
+    """Points (m, 2) of a smooth curve through given points (n, 2), and their indices among the m.
 
-    Both coordinates are monotone between two given points. The measured distance of the curve of
-    equilibria is a tenth of that from straight lines.
+    Both coordinates are monotone between two given points. As measured, the distance of this curve
+    from the true curve of equilibria is a tenth of that of straight lines.
     """
     spans = np.ptp(points, axis=0)
     steps = np.diff(points, axis=0) / np.where(spans > 0.0, spans, 1.0)

@@ -28,7 +28,7 @@ _SHOWN = {
     "zone_count": 5,
     "error": 2,
 }
-# Columns that a wide table leaves out, first to last: others tell nearly the same.
+# Columns dropped in this order until the table fits, as the other columns show nearly the same.
 _SPARE = ("mean_gap", "mean_pressure", "stiffness", "load")
 
 

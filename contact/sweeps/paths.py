@@ -1,9 +1,10 @@
 """Load paths: solutions at a list of loads, and the events between them.
 
 An event is a change of the number of zones. Frictionless contact grows with the load: every zone at
-a load lies inside a zone at any higher load. So a zone of the higher load that contains none of the
-lower one was born in between, and one that contains several was merged from them. Each event is
-located by a condition of its own, with the number of zones fixed and the signs not checked:
+a load lies inside a zone at any higher load. So a zone of the higher load that contains no zone of
+the lower load was born in between. A zone that contains several zones of the lower load was merged
+from them. Each event is located by a condition of its own, with the number of zones fixed and the
+signs not checked:
 
     birth (death)   the least gap at the place of the new zone is zero, without that zone,
     merge (split)   the least pressure between the two zones is zero, with the two already one,
@@ -133,7 +134,7 @@ class Path:
         return text
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw contact and approach over the load, with the events marked.
+        """Draw contact and approach against the load, with the events marked.
 
         Parameters
         ----------
@@ -398,7 +399,8 @@ class _Condition:
     def start(self, load: float) -> Array:
         """Initial zones (or gaps) at a load, extrapolated from those at the two nearest loads.
 
-        If that changes some zone or gap by more than a factor of two, the nearest zones are used.
+        If the extrapolation changes the width of some zone or gap by more than a factor of two,
+        those at the nearest load are used.
         """
         near, far = sorted(self.tables, key=lambda known: abs(known - load))[:2]
         first = self.tables[near]

@@ -1,8 +1,8 @@
 """Events of a load path under a limit of the pressure, beside those of elastic contact.
 
-Contacts and plateaus grow with the load, and so does the pressure everywhere: two loads are two
-contacts without history. An event is located by a condition of its own, with all other contacts and
-plateaus as they are on one side of it, and the signs not checked:
+Contacts and plateaus grow with the load, and so does the pressure everywhere. So the contact under
+a load does not depend on the loads before. An event is located by a condition of its own, with all
+other contacts and plateaus as they are on one side of it, and the signs not checked:
 
     birth   the least gap at the place of the new contact is zero, without that contact,
     merge   the least pressure between the two contacts is zero, with the two already one,
@@ -61,7 +61,7 @@ class PlasticPath(PathSearch):
             return super()._events(low, high)
         found = _changes(low, high)
         step = (high.load - low.load) / high.load
-        # Close to the largest load, plateaus follow the distance from it.
+        # Close to the largest load (`bearing`), plateaus vary with the distance from this load.
         left, last = (bearing(low.scene) - one.load for one in (low, high))
         far = max(high.load / low.load, left / last if np.isfinite(left) else 1.0)
         hides = far > OPTIONS.max_load_ratio or (step > OPTIONS.negligible and _may_hide(low, high))
@@ -135,7 +135,8 @@ def _changes(low: Solution, high: Solution) -> list[Change]:
     ):
         names = ("birth", "merge") if of_contacts else ("onset", "join")
         for one in changes(before, after, period, True, OPTIONS.negligible):
-            # Of a closing interval, `changes` gives the place with a margin.
+            # For an interval that closes, `changes` gives the place with a margin, which is taken
+            # off here.
             (a, b), wide = one.where, 0.0 if one.of_gap else MARGIN / (1 + 2 * MARGIN)
             where = a + wide * (b - a), b - wide * (b - a)
             name = names[0] if one.of_gap else names[1]
@@ -158,7 +159,7 @@ def _may_hide(low: Solution, high: Solution) -> bool:
 
 
 def _without_tips(found: list[Change], low: Solution) -> tuple[list[Change], list[Change]]:
-    """Split the changes: (all others, plateaus that begin at convex kinks and their contacts)."""
+    """(all other changes, onsets of plateaus that begin at convex kinks together with contacts)."""
     kinks = low.scene.profile.kinks
     tips, period = kinks[kinks[:, 1] > 0, 0], low.scene.period
     born = [change for change in found if change.kind == "birth"]
@@ -182,7 +183,7 @@ def _within(x: float, where: tuple[float, float], period: float | None) -> bool:
 def _at_births(
     at_tips: list[Change], events: list[Event], low: Solution, high: Solution
 ) -> list[Event]:
-    """The plateaus that begin together with their contacts."""
+    """The onset events of plateaus at tips, which are at the births of the contacts around them."""
     return [
         Event("onset", one.load, one.position, low.plateaus, high.plateaus, error=one.error)
         for change in at_tips
@@ -226,7 +227,7 @@ def _onset_in_full_contact(low: Solution, high: Solution) -> Event:
 class _Condition:
     """The condition of an event, a function of the load that is zero at the event.
 
-    `position` [m] is its place at the last evaluation.
+    `position` [m] is the place of the event found at the last evaluation.
     """
 
     def __init__(self, change: Change, fields: PlasticFields, side: Solution) -> None:
@@ -266,7 +267,7 @@ class _Condition:
             raise WrongTopology("another contact or plateau has come to the place", None)
 
     def _at(self, fields: PlasticFields, x: Array) -> Array:
-        """What is positive where the states are right: gap, pressure, limit - pressure, overlap."""
+        """Value that is positive in the right state: gap, pressure, limit - pressure or overlap."""
         if self.change.of_contacts == self.change.begins:
             gap = fields.formal_gap(x)
             return gap if self.change.begins else -gap
@@ -290,10 +291,13 @@ class _Condition:
         return TOLERANCES.margin * error / (rate * root) + TOLERANCES.rounding
 
     def _formal(self, load: float) -> PlasticFields:
-        """The contact with these contacts and plateaus, whose signs may be wrong."""
+        """Pressure and gap at a load [N/m], with fixed numbers of contacts and plateaus.
+
+        Pressure or gap may have the wrong sign.
+        """
         nearest = min(self.spots, key=lambda known: abs(known - load))
         scaled = Load(load / self.problem.units.load)
-        # The error of the condition is of second order in that of the ends.
+        # The error of the condition is of second order in the error of the ends.
         loop = PlasticLoop(self.problem, scaled, self.limit, SEARCH.intermediate**2)
         try:
             zones = self.spots[nearest].zones(loop.problem, loop.limit)

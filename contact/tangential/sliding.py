@@ -1,8 +1,9 @@
-"""Contact of elastically different bodies in full sliding: zones from those without friction.
+"""Contact of elastically different bodies in full sliding, from the zones without friction.
 
-The terms with kappa do no work in a variation of the pressure with itself, so that the inequality
-problem is as monotone as without friction, and its zones are unique. The contact without
-friction under the same control is the first guess. Nearly full contact is solved by its gaps.
+The terms with kappa (the coefficient of the pressure in the equation) do no work in a variation of
+the pressure with itself, so that the inequality problem is as monotone as without friction, and its
+zones are unique. The contact without friction under the same control is the first guess. Nearly
+full contact is solved by its gaps.
 """
 
 from __future__ import annotations

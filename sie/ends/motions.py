@@ -1,7 +1,7 @@
 """Effect of motions of free ends on edge intensities and levels, by singular densities.
 
 At distance d from an end the density is K / sqrt(d) + A sqrt(d), with the intensity K and the edge
-slope A. If the end moves outward by s, the density at fixed positions changes by
+slope A. If the end moves outward by s, the density phi at fixed positions changes by
 
     d phi/ds = -(K/2) d^(-3/2) + (dK/ds + A/2) d^(-1/2) + ...,
 
@@ -11,16 +11,16 @@ end,
     S(t) = 1 / ((1 - t) sqrt(1 - t^2)) ~ (1/sqrt 2) (d/w)^(-3/2) + (1/(4 sqrt 2)) (d/w)^(-1/2)
 
 has no transform on the zone, no total, and the potential -w there. Outside it has the transform and
-the potential of the coefficients c_l = -2 l (finite parts: (1/pi) int T_l S dt = -l, from rho^l /
-sqrt(z^2 - 1) at z -> 1). So the rows, applied to these coefficients, give the effect of S on the
-other zones, and one solve with the LU factors gives the response.
+the potential of a density with the Chebyshev coefficients c_l = -2 l (finite parts:
+(1/pi) int T_l S dt = -l, from rho^l / sqrt(z^2 - 1) at z -> 1). So the rows, applied to these coefficients, give
+the effect of S on the other zones, and one solve with the LU factors gives the response.
 
 A motion d of the right end of a zone of half width w adds s S with s = -K d / (sqrt(2) w^(3/2)).
 This acts on all other zones like the coefficients -2 l s. It changes the level of its own zone by
 -w s, and contributes to the intensities at both ends of its own zone.
 
-For very many ends with prescribed intensities the matrix of these rates would be too large. The
-unknowns y of the response and the motions d of all ends are found together, from
+For very many ends with prescribed intensities the matrix of the derivatives dK/ds would be too
+large. The unknowns y of the response and the motions d of all ends are found together, from
 
     rows (y + singular densities of d) = 0,      K(y) + own K of d = change,
 
@@ -283,7 +283,8 @@ class IteratedMotions(FreeEnds):
         return np.asarray(np.einsum("zab,bz->az", np.abs(self._local), k))
 
     def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
-        """(changes of the free ends' intensities, changes of the levels) by motions d of ends.
+        """(changes of the free ends' intensities, changes of the levels) that motions d cause.
+
         The level of a zone is the constant of the potential on it. The values of the side
         conditions do not change.
         """
@@ -527,7 +528,8 @@ def _rates_by_differences(state: SecondKindState) -> tuple[EndRates, Array]:
 
 
 def rows_of_motions(state: State, matrix: Array, moved: Moved) -> Array:
-    """Changes of the left sides of equation and conditions by J motions of ends: (rows, J).
+    """Changes (rows, J) of the left sides of equation and conditions that J motions of ends cause.
+
     The unknowns are fixed: a motion changes the density by a function that is singular at the end.
 
     matrix: the matrix of the state; moved: the motions of any ends, free or fixed (2, Z, J).
@@ -632,7 +634,8 @@ class DirectMotions(FreeEnds):
         It is the largest real part of the eigenvalues of d(sign * K)/d(motion), with the
         intensities K.
 
-        With a condition on the ends only motions that keep it count; the open value adjusts to it.
+        With a condition on the ends, only motions that keep the condition count, and the unknown
+        value of a side condition follows them.
         """
         driven = signs[self.side][:, None] * self._rates.intensities
         if normal is not None and by_value is not None:

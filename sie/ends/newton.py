@@ -148,16 +148,19 @@ class Free:
 
     @cached_property
     def narrow_rims(self) -> Mask:
-        """Mask of the zones (Z,) that are rims narrower than a gap or plateau beside them."""
+        """Mask (Z,) of the narrow rims; a rim is a zone between two different end values.
+
+        A narrow rim is much narrower than the gaps or plateaus beside it.
+        """
         return are_narrow(self.density.zones, self.state.equation)
 
     @cached_property
     def bent_rims(self) -> Array:
         """Largest difference on narrow rims (Z,) from the density for a constant right side.
 
-        A narrow rim is a zone that is narrower than a gap or plateau beside it. The difference is
-        that of the solved width, and is proportional to the width, see `Zones.depth`. It is 0 on
-        other zones.
+        Narrow rims are those of `narrow_rims`. The difference is that at the width with which the
+        equation is solved (see `Zones.depth`), and is proportional to this width. It is 0 on other
+        zones.
         """
         density, out = self.density, np.zeros(len(self.density.zones))
         if not self.narrow_rims.any():

@@ -46,8 +46,8 @@ class Progress:
     initial_error: see `WarmStart`; trace: the steps; branches: residual and growth rate at each
     step, if intensities are prescribed; most: largest move of the last step, without the unresolved
     fraction of the zones; best: smallest move of all steps so far; stalled: number of steps in a
-    row that have not halved it; closing, leaving: for how many steps in a row the undamped step has
-    removed each gap, each zone.
+    row that have not halved `best`; closing, leaving: for how many steps in a row the undamped step
+    has removed each gap, each zone.
     """
 
     options: NewtonOptions
@@ -162,9 +162,9 @@ class Progress:
     def _scatter(self) -> float:
         """Ratio of the ends' second last move to the last one, if the former is round-off; else 0.
 
-        Near the solution a move is at most about a constant times the square of the move before.
-        A small move beyond that shows the round-off of the data. The last move may be smaller than
-        this round-off by chance, but hardly by a factor of a hundred.
+        Near the solution a move is at most about a constant times the square of the move before. A
+        small move above this bound is due to round-off of the data. The last move may be smaller
+        than this round-off by chance, but hardly by a factor of a hundred.
         """
         moves = [step.move for step in self.trace]
         if len(moves) < 4 or moves[-2] > self.options.rounding_step:
@@ -205,7 +205,8 @@ class Progress:
     def is_close(self) -> bool:
         """Whether the last step is so small that the zones are close to a solution.
 
-        A step below the tolerance of the first solution may undo the error of that solution.
+        A step below the tolerance of the first linear solution also counts: it may only correct the
+        error of that solution.
         """
         before = 1.0 if len(self.trace) == 1 else self.trace[-2].move
         return self.trace[-1].move <= max(

@@ -1,12 +1,12 @@
-"""Rims: zones between two values of the density, much narrower than the plateau and gap beside.
+"""Rims: zones between two values of the density, much narrower than plateau and gap beside them.
 
-On a rim the density passes from one value to the other, like arccos(t) / pi of their difference v.
-The transform of this passage and of the plateau is nearly constant there, and contains
--(v / pi) log(width): so the width falls exponentially with the right side, and may be far below
-round-off. At distances of many widths the field is that of a jump at the rim's middle, with a
+On a rim the density passes from one value to the other, like arccos(t) / pi times the difference v
+of the values. On the rim, the transform of this passage and of the plateau is nearly constant, and
+contains -(v / pi) log(width): so the width falls exponentially with the right side, and may be far
+below round-off. At distances of many widths the field is that of a jump at the rim's middle, with a
 relative error of (width / distance)^2. So a rim keeps a least width, and its *depth*, the logarithm
-of the true width over this one, says how much narrower it is. Newton's method finds the middle of
-such a rim from its level, and the logarithm of the width from the transform:
+of the ratio of the true width to the width kept, says how much narrower the rim is. Newton's method
+finds the middle of such a rim from its level, and the logarithm of the width from the transform:
 
 * A charge q on the rim, of density q / (pi w sqrt(1 - t^2)), moves its middle by q / v.
 * A constant c of the transform, of density -c t / sqrt(1 - t^2), changes log(width) by pi c / v.
@@ -62,7 +62,8 @@ def least_part(tolerance: float) -> float:
     """Least width of a rim, divided by that of the narrower gap or plateau beside it.
     A rim is a zone between two different end values.
 
-    The error that it causes is the square of this, times a condition: 1e-4 of the tolerance.
+    The error that this width causes is the square of this ratio, times a condition number: 1e-4 of
+    the tolerance.
     """
     return max(0.01 * float(np.sqrt(tolerance)), HALF_DIGITS)
 
@@ -122,7 +123,7 @@ def without_alternation(
     values.
 
     The right side on a rim may vary within the length of a step, so that steps would alternate.
-    last: the last step, after which the zones are as they are.
+    last: the last step, which led to the present zones.
     """
     assert motion.depth is not None
     width, (left, right) = 2 * zones.half, motion.delta

@@ -5,9 +5,9 @@ position c relative to a zone of half width w (`sie.basis.interval`),
 
     1/(x - c) = -(2/w) sum_{k >= 1} rho^k U_{k-1}(t),
 
-so the coefficients that are not unknowns are (2/w) rho^l / pi. They contribute geometric series to
-the intensities, and logarithms to the potential at other positions. These hold however close to the
-zone a source is.
+so the coefficients of the modes l that are not unknowns are (2/w) rho^l / pi. They contribute
+geometric series to the intensities, and logarithms to the potential at other positions. Both hold
+however close to the zone a source is.
 """
 
 from dataclasses import dataclass

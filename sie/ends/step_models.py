@@ -17,8 +17,8 @@ moves outward past it. An end never moves inward past a logarithm with J < 0, be
 around it would have the wrong sign.
 
 On the scale of a gap |x| < c the intensities of its two ends are not linear in their motions. The
-slope A by which Newton's method divides depends on K. There the density is that of a crack under
-the traction P_0 + P_1 x + P_2 x^2/2 that the merged zones would bear. Outside the gap
+slope A by which Newton's method divides depends on K. On this scale the density is that of a crack
+under the traction P_0 + P_1 x + P_2 x^2/2 that the merged zones would bear. Outside the gap
 
     phi = |x| / sqrt(x^2 - c^2) (P_0 + P_2 (x^2 - c^2/2)/2)
           + sgn(x) P_1 (x^2 - c^2/2) / sqrt(x^2 - c^2).
@@ -31,9 +31,9 @@ where S is A without its dependence on K,
     (new half gap / c)^2 = 1 - 2 (rho_right + rho_left) + 2 (rho_right - rho_left)^2.
 
 If the density changes sign across the gap, the last square is absent. If the density jumps by J in
-the gap (a logarithm of the right side, see `jumps.density`), a kink contributes
-(J/pi) sqrt(2/c) to S. The integral of this term grows with c and not with c^2. Then the sum of both
-integrals changes by -K sqrt(2 c). For small K the step is always the plain one, 2 K / A.
+the gap (a logarithm of the right side, see `jumps.density`), a kink contributes (J/pi) sqrt(2/c) to
+S. The integral of this term grows like c, and that of the rest of S like c^2. Then the sum of these
+two integrals changes by -K sqrt(2 c). For small K the step is always the plain one, 2 K / A.
 """
 
 from collections.abc import Callable

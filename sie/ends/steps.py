@@ -86,7 +86,7 @@ def newton_step(
     """The next Newton step of the free ends of the zones, before damping.
 
     value_response: the density caused by a unit of the open condition's value, if there is one.
-    last: the last step, if it has left the same zones.
+    last: the last step; None if there was none yet on these zones.
     """
     moves, density = zones.moves, state.density
     k = np.array(density.intensities)
@@ -331,7 +331,7 @@ def growth_of(
 ) -> float:
     """Largest growth rate of small displacements of the ends; positive if unstable.
 
-    With a condition on the ends only displacements that keep it count.
+    With a condition on the ends, only displacements that keep this condition count.
     """
     if value_response is None:
         return motions.growth(np.array(signs, dtype=float))

@@ -2,9 +2,9 @@
 
     kappa phi(x) + (1/pi) PV int_zones phi(xi) K(x, xi) dxi = g(x) + sum_k lambda_k C_k(x)
 
-on the zones, with side conditions on the density phi and on the unknown amplitudes lambda_k.
-Before anything is solved, the number of unknowns is compared with the number of conditions. It is
-the sum of the indices of all zones, of one for each free end, and of one for each unknown
+on the zones, with side conditions on the density phi and on the unknown amplitudes lambda_k. Before
+anything is solved, the number of unknowns is compared with the number of conditions. The number of
+unknowns is the sum of the indices of all zones, plus one for each free end and one for each unknown
 amplitude.
 """
 

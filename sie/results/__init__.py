@@ -1,1 +1,1 @@
-"""What a solution can be asked for beyond its density: report, figure, capacity, derivatives."""
+"""Results of a solution beyond its density: report, figure, capacity and derivatives."""

@@ -1,4 +1,4 @@
-"""The derivative of a solution by a parameter of its problem, from the factors at hand.
+"""The derivative of a solution by a parameter of its problem, from the solution's own solver.
 
 Let s be the parameter. The derivative of T phi = g + sum lambda_k C_k at fixed x is
 
@@ -9,9 +9,9 @@ moves outward at the rate e, phi = K d^(-1/2) + A d^(1/2) + ... at the distance 
 
     phi' = -(K/2) e d^(-3/2) + (K' + A e / 2) d^(-1/2) + ...
 
-A free end with K = 0 follows from the intensity of phi', e = 2 (intensity of phi') / A. The terms
-d^(-3/2) are the singular densities of `sie.ends.motions`; free ends with another intensity than
-zero move so that it is kept.
+The motion of a free end with K = 0 follows from the intensity of phi', e = 2 (intensity of phi') /
+A. The terms d^(-3/2) are the singular densities of `sie.ends.motions`; free ends with another
+prescribed intensity than zero move so that this intensity is kept.
 """
 
 from collections.abc import Sequence

@@ -1,14 +1,17 @@
 """The gradient of one functional of a solution by all data of its problem, from one adjoint solve.
 
-The functional is J = int w phi dx + sum c K + sum e x, with a weight w, intensities K at singular
-ends and positions x of ends. Its derivative is a chain of linear maps of `sie.results.derivative`:
+The functional is J = int w phi dx + sum c K + sum e x, with a weight w, factors c and e,
+intensities K at singular ends and positions x of ends. Its derivative is a chain of linear maps of
+`sie.results.derivative`:
 
     y0 = A^(-1) (r - P d),   lack = k - (kappa y0 + O d),   m = M lack,   y = y0 - A^(-1) P m,
 
-with the rows r of the changed data, motions d of fixed ends, changes k of prescribed intensities
-and motions m of free ends. If all prescribed intensities of free ends are zero, y = y0. The adjoint
-applies the transposed maps in reverse order, so that two solves with the transposed factors give
-the derivatives by all data at once.
+with the right sides r of the changed data, motions d of fixed ends, changes k of prescribed
+intensities and motions m of free ends. A is the matrix of the system. P and O are the direct
+effects of motions on its rows and on the intensities at free ends, kappa maps unknowns to these
+intensities, and M missing intensities to motions of free ends. If all prescribed intensities of
+free ends are zero, y = y0. The adjoint applies the transposed maps in reverse order, so that two
+solves with the transposed factors give the derivatives by all data at once.
 """
 
 from collections.abc import Callable
@@ -84,7 +87,7 @@ class Gradient:
     `Solution.gradient` makes it.
 
     Calling it with a change of the right side, or of the kernel as second argument, returns the
-    derivative of the functional by it.
+    derivative of the functional by this change.
 
     Attributes
     ----------

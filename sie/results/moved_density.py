@@ -5,10 +5,10 @@ of
 
     S(t) = 1 / ((1 - t) sqrt(1 - t^2))      (right end;  t -> -t for the left one).
 
-Its transform off the zone is -1 / ((zeta - 1) sqrt(zeta^2 - 1)) and zero on the zone, since
-i S is the limit of 1 / ((1 - zeta) sqrt(zeta^2 - 1)) on the upper side. The potential over the half
-width is sqrt((zeta + 1) / (zeta - 1)) - 1 off the zone and -1 on it. The total is zero (finite
-part).
+At zeta, which is t continued to the complex plane, its transform is
+-1 / ((zeta - 1) sqrt(zeta^2 - 1)) off the zone. It is zero on the zone, since i S is the limit of
+1 / ((1 - zeta) sqrt(zeta^2 - 1)) on the upper side. The potential, divided by the half width, is
+sqrt((zeta + 1) / (zeta - 1)) - 1 off the zone and -1 on it. The total is zero (finite part).
 """
 
 from dataclasses import dataclass

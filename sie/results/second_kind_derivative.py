@@ -1,8 +1,9 @@
 """The derivative of a solution with kappa whose fixed ends stay in place.
 
 The derivative of the density at fixed x is a density of the same equation, with the changes of the
-right side and of the conditions' values. At a free end it is k d^(-p); the end moves so that this
-is what the motion of K d^(-p) + A d^(1-p) with K = 0 adds, by k / ((1 - p) A).
+right side and of the conditions' values. At distance d from a free end the density is A d^(1-p),
+with an exponent p that follows from kappa. A motion e of the end adds (1 - p) A e d^(-p) to the
+density at fixed x. The derivative has the term k d^(-p) there, so that e = k / ((1 - p) A).
 """
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
-"""Figure of a sweep: numbers over one varied key, a line for each value of another one.
+"""Figure of a sweep: numbers against one varied key, a line for each value of another key.
 
-The abscissa is the key with the most numbers; a key with words is the other one, or is drawn at
-even places. Points that failed are missing.
+The abscissa is the key with the most numbers. If one key has words, it gives the lines; if no key
+has numbers, the words are drawn at even places. Points that failed are missing.
 """
 
 from collections.abc import Mapping, Sequence

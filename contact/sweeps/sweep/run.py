@@ -1,4 +1,4 @@
-"""A scene over a grid of values of its parameters, solved in many processes."""
+"""A scene on a grid of values of its parameters, solved in many processes."""
 
 import itertools
 import time

@@ -1,7 +1,7 @@
 """The table of a sweep: numbers on the grid, and the reasons of failed points.
 
-It can be had as an xarray.Dataset and is stored in a netCDF file that a later sweep can continue.
-Only one sweep at a time may use a file: two would overwrite each other's results.
+The table is returned as an xarray.Dataset and stored in a netCDF file that a later sweep can
+continue. Only one sweep at a time may use a file: two would overwrite each other's results.
 """
 
 import hashlib
