@@ -55,11 +55,11 @@ class Functional:
     It is a sum of parts, and its value is the derivative of one number. Each field is the factor of
     one part.
 
-    ends: of outward motions [m] (n, 2). loads: of loads of zones (n,). approach: of the approach of
-    heights f. mean: of the mean of f. peak: place [m] and factor of the pressure there. tip: factor
-    of f at its lowest place. slope: place [m] and factor of f' there. inside: a point of the body
-    [m] and factors A, B of a number Re(A F + B F'), with the transform F of the pressure. Zones are
-    in the order of the fields.
+    ends: of outward motions [m] (n, 2). loads: of loads of zones (n,). approach: of the approach,
+    counted from f = 0. mean: of the mean of f. peak: place [m] and factor of the pressure there.
+    tip: factor of f at its lowest place. slope: place [m] and factor of f' there. inside: a point
+    of the body [m] and factors A, B of a number Re(A F + B F'), with the transform F of the
+    pressure. Zones are in the order of the fields.
     """
 
     ends: Array

@@ -40,11 +40,11 @@ class Rate:
     """Derivatives of the fields of a contact, in SI units, by one parameter.
     The load is fixed or grows with the parameter.
 
-    load: derivative of the load. approach: that of the approach of heights f, not counted from the
-    lowest place; nan if it has no datum. ends: outward motions (n, 2), loads (n,), intensities k
-    (n, 2) of p' at the ends, in the order of the fields' zones. pressure: p' at places x. noise:
-    error of the coefficients of p', divided by the unit of pressure. fields: those of p', from
-    which stresses follow; None if the stresses are infinite at ends.
+    load: derivative of the load. approach: derivative of the approach, counted from f = 0 and not
+    from the lowest place; nan if it has no datum. ends: outward motions (n, 2), loads (n,),
+    intensities k (n, 2) of p' at the ends, in the order of the fields' zones. pressure: p' at
+    places x. noise: error of the coefficients of p', divided by the unit of pressure. fields: those
+    of p', from which stresses follow; None if the stresses are infinite at ends.
     """
 
     load: float

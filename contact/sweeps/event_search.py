@@ -1,11 +1,11 @@
 """The search for all events between two loads of a contact that grows with the load.
 
-The search follows the contact from the lower load, from event to event. Rates, derivatives by s =
-ln(load), predict the next event. With the zones that exist on one side of an event, its condition
-is a smooth function of s, and values and derivatives at few loads give its zero by inverse Hermite
-interpolation. Each value takes one solution with a fixed number of zones; mostly two solutions
-suffice. The last of them is the contact at the event, from which the search goes on. If bodies
-overlap there, a zone was born before, and the first such birth is located instead.
+The search follows the contact from the lower load, from event to event. Let s be ln(load). Rates
+(derivatives by s) predict the next event. With the zones that exist on one side of an event, its
+condition is a smooth function of s, and its values and derivatives at few loads give its zero by
+inverse Hermite interpolation. Each value takes one solution with a fixed number of zones; mostly
+two solutions suffice. The last of them is the contact at the event, from which the search goes on.
+If bodies overlap there, a zone was born before, and the first such birth is located instead.
 
 A kind of event is a class: its name, the zones with which its condition is smooth, the condition,
 and the zones after it (`Birth`, `Merger`).
@@ -53,7 +53,7 @@ class EventOptions:
     # Largest difference of ln(load) over which events are predicted. Over a larger one, the gap may
     # get new minima.
     max_step: float = 0.3
-    # Number of samples of the gap over the shortest length of the profile. An interval counts as at
+    # Number of samples of the gap in the shortest length of the profile. An interval counts as at
     # least four such lengths.
     samples: float = 4.0
 

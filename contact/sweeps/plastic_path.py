@@ -1,4 +1,4 @@
-"""Events of a load path under a limit of the pressure, beside those of elastic contact.
+"""Events of a load path under a limit of the pressure, in addition to those of elastic contact.
 
 Contacts and plateaus grow with the load, and so does the pressure everywhere. So the contact under
 a load does not depend on the loads before. An event is located by a condition of its own, with all

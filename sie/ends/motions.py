@@ -12,8 +12,9 @@ end,
 
 has no transform on the zone, no total, and the potential -w there. Outside it has the transform and
 the potential of a density with the Chebyshev coefficients c_l = -2 l (finite parts:
-(1/pi) int T_l S dt = -l, from rho^l / sqrt(z^2 - 1) at z -> 1). So the rows, applied to these coefficients, give
-the effect of S on the other zones, and one solve with the LU factors gives the response.
+(1/pi) int T_l S dt = -l, from rho^l / sqrt(z^2 - 1) at z -> 1). So the rows, applied to these
+coefficients, give the effect of S on the other zones, and one solve with the LU factors gives the
+response.
 
 A motion d of the right end of a zone of half width w adds s S with s = -K d / (sqrt(2) w^(3/2)).
 This acts on all other zones like the coefficients -2 l s. It changes the level of its own zone by
@@ -24,9 +25,9 @@ large. The unknowns y of the response and the motions d of all ends are found to
 
     rows (y + singular densities of d) = 0,      K(y) + own K of d = change,
 
-by GMRES with one fast sum in each step. The preconditioner of y is that of the equation. That of d
-inverts the effect of a motion on its own zone. So the number of steps does not grow with the number
-of zones.
+by GMRES with one fast sum in each step. The preconditioner of y is that of the equation. The
+preconditioner of d inverts the effect of a motion on its own zone. So the number of steps does not
+grow with the number of zones.
 """
 
 from collections.abc import Callable

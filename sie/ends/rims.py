@@ -71,7 +71,8 @@ def least_part(tolerance: float) -> float:
 def with_rim_steps(
     motion: NewtonStep, state: AnyState, options: NewtonOptions, tolerance: float
 ) -> NewtonStep:
-    """The Newton step of the ends; that of narrow rims is computed in other variables.
+    """The Newton step of the ends; the steps of narrow rims are computed in other variables.
+
     A rim is a zone between two different end values. Its variables are its middle and the logarithm
     of its width. tolerance: tolerance of the positions of the ends.
     """

@@ -9,9 +9,9 @@ moves outward at the rate e, phi = K d^(-1/2) + A d^(1/2) + ... at the distance 
 
     phi' = -(K/2) e d^(-3/2) + (K' + A e / 2) d^(-1/2) + ...
 
-The motion of a free end with K = 0 follows from the intensity of phi', e = 2 (intensity of phi') /
-A. The terms d^(-3/2) are the singular densities of `sie.ends.motions`; free ends with another
-prescribed intensity than zero move so that this intensity is kept.
+The motion of a free end with K = 0 follows from the intensity k of phi': e = 2 k / A. The terms
+d^(-3/2) are the singular densities of `sie.ends.motions`; free ends with another prescribed
+intensity than zero move so that this intensity is kept.
 """
 
 from collections.abc import Sequence
@@ -115,9 +115,10 @@ class Change:
     """The derivatives of the data of a problem by the parameter, after checks.
     `Change.of` makes them from a user's values.
 
-    forcing: that of the right side, with the effect of the kernel's change; None: no change.
-    values: those of the rows of all side conditions; of_ends: that of the condition on the ends.
-    outward: outward motions of the fixed ends (2, n). intensities: those of prescribed K (2, n).
+    forcing: derivative of the right side, with the effect of the kernel's change; None: no change.
+    values: derivatives of the values of all side conditions, one for each row. of_ends: derivative
+    of the value of the condition on the ends. outward: outward motions of the fixed ends (2, n).
+    intensities: derivatives of the prescribed K (2, n).
     """
 
     forcing: Forcing | None
@@ -213,7 +214,8 @@ def _forcing(dg: Forcing | Function | None) -> Forcing | None:
 
 def _with_kernel(forcing: Forcing | None, added: Forcing) -> Forcing:
     """The derivative of the right side minus the field of the kernel's derivative.
-    This field is that of the density under the derivative of the kernel.
+
+    This field is the one that the density has with the derivative of the kernel as the kernel.
     """
     if forcing is None:
         return Forcing(_Minus(None, added.value), added.primitive and _Minus(None, added.primitive))

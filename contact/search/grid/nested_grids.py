@@ -178,7 +178,7 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
 def _gaps_between(x: Array, state: GridState) -> Array:
     """Gaps (k, 2) between grid points, where a parabola through three pressures is negative.
 
-    Their width is that of a single gap under a full-contact pressure of this parabola.
+    A gap gets the width that a single gap has if this parabola is the pressure of full contact.
     """
     p, h = state.pressure, state.influence.h
     # Outside the window of an isolated contact the pressure is zero.

@@ -1,10 +1,9 @@
 """Bracketed Newton method for the tilt at which a load has a given centre, moment / load.
 
-Under a given load the moment grows with the tilt, as both belong to one convex energy. So any tilt
-with too small a moment and any with too large a one bracket the root. Newton's steps, with the
-contact fixed, converge fast; a step that leaves the bracket, or does not halve the error, is
-replaced by the middle of the bracket. A tilt at which the body has no equilibrium also bounds the
-root.
+Under a given load the moment grows with the tilt, as the energy is convex. So a tilt with too small
+a moment and a tilt with too large a moment bracket the root. Newton's steps, with the contact
+fixed, converge fast; a step that leaves the bracket, or does not halve the error, is replaced by
+the middle of the bracket. A tilt at which the body has no equilibrium also bounds the root.
 """
 
 import math

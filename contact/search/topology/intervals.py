@@ -47,9 +47,10 @@ def merged(table: Array, met: Index, period: float | None) -> Array:
 
 
 def united(table: Array, period: float | None, around: bool, what: str) -> Array:
-    """The intervals, overlapping ones united; raises WrongTopology if they fill the period.
+    """The intervals, with overlapping ones united; raises WrongTopology if they fill the period.
 
-    around: the last one may reach over the border of the period. what: their name in a message.
+    around: whether the last interval may reach over the border of the period. what: name of an
+    interval in the message.
     """
     if len(table) == 0:
         return table
