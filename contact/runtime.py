@@ -1,7 +1,7 @@
 """Settings of the whole process: memory kept by malloc, and the number of BLAS threads.
 
-A setting is changed while at least one thread asks for it. It is restored when the last one has
-finished.
+A setting is changed while at least one thread asks for the change. The setting is restored when the
+last of these threads has finished.
 """
 
 import ctypes
@@ -63,9 +63,9 @@ class SharedState:
 def keep_freed_memory(wanted: bool = True) -> Iterator[None]:
     """If `wanted`, let the process keep the memory of freed arrays while the block runs.
 
-    By default glibc maps every array above 32 MB and unmaps it when it is freed. The system then
-    clears its pages again at first use, which takes longer than most operations on such an array.
-    With other C libraries nothing is changed.
+    By default glibc maps new memory for every array above 32 MB, and unmaps this memory when the
+    array is freed. The system clears the pages of each new array at first use, which takes longer
+    than most operations on such an array. With other C libraries nothing is changed.
     """
     if not wanted or _libc() is None:
         yield

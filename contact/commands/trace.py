@@ -236,7 +236,7 @@ def starting_scene(
 ) -> str:
     """The text of a scene file with the trace pressed onto a rigid flat under a light load.
 
-    light_load: mean pressure over E* times the rms slope.
+    light_load: mean pressure, divided by E* times the rms slope.
     """
     modulus = _STEEL_MODULUS / (1 - _STEEL_POISSON_RATIO**2)
     pressure = light_load * modulus * measured.rms_slope
@@ -308,7 +308,11 @@ def plot_trace(
 def _distribution(
     axes: Any, measured: Roughness, heights: tuple[Array, Array], scale: tuple[float, str]
 ) -> None:
-    """Draw the density of heights, given with its edges, in a unit, and that of Gauss."""
+    """Draw the distribution of the heights, and the normal distribution with the same Rq.
+
+    heights: (edges of the height classes [m], probability density in each class [1/m]); scale:
+    (units per metre, name of the unit) of the heights in the picture.
+    """
     (edges, density), (up, unit) = heights, scale
     axes.stairs(density / up, up * edges, fill=True, color=BODY, alpha=0.5)
     z = np.linspace(edges[0], edges[-1], 200)

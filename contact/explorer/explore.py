@@ -28,7 +28,7 @@ def explore(
     scene : Scene, str, path or None
         The scene or the name of a scene file; None: a wave.
     tol : float
-        Largest stated error of a scene at rest.
+        Largest stated error while no slider moves.
     port : int or None
         Port of the page; None: one that is free.
 

@@ -72,8 +72,8 @@ def drawn(
     """The curves of a solution for the picture, with about `points` points each.
     If `stretch` is given, as many points are added in this enlarged interval of x [m].
 
-    Its details are `along` (units of x per metre), the lowest and largest pressure of the picture,
-    the mean pressure, and the places at which the pressure is infinite.
+    The details of the result are `along` (units of x per metre), the lowest and largest pressure of
+    the picture, the mean pressure, and the places at which the pressure is infinite.
     """
     lo, hi = window(solution)
     x = positions(solution, lo, hi, points)
@@ -169,8 +169,9 @@ def _with_bound(value: str, error: str) -> str:
 class Below:
     """The stress below the surface as the page draws it: values on a grid, and how to show them.
 
-    values: rows of stresses [Pa] at the middles of equal cells, NaN where it is infinite; details:
-    the rectangle [m] in the units of x, the name, and the largest stress with its place.
+    values: rows of stresses [Pa] at the middles of equal cells, NaN where the stress is infinite;
+    details: the rectangle in the units of the x axis, the kind of stress, and the largest stress
+    with its place.
     """
 
     values: Array
@@ -243,11 +244,10 @@ def message(error: Exception) -> str:
 
 
 def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[str, str]]:
-    """The point of a solution on the load curve: (abscissa, ordinate, name and unit of each).
+    """The point of a solution on the load curve, with the names and units of the axes.
 
-    Names and units are two pairs (name, unit).
-
-    The abscissa is the approach, or the width in contact if there is no approach. The ordinate is
+    Returns (abscissa, ordinate, (name, unit) of the abscissa, (name, unit) of the ordinate). The
+    abscissa is the approach, or the width in contact if there is no approach. The ordinate is
     the mean pressure, or the load without a period.
     """
     up = (
@@ -313,7 +313,8 @@ class Branches:
 def both_branches(scene: Scene, control: Handle, tol: float, progress: Progress) -> Branches:
     """The load curve for increasing and then decreasing control, with every jump.
 
-    The highest value is lowered until it has a solution, as an approach has up to full contact.
+    The highest value is lowered until it has a solution. For example, an approach has a solution
+    only up to full contact.
     """
     name, high = scene.control[0], control.high
     while True:

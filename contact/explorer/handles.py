@@ -1,9 +1,9 @@
 """The sliders of a scene: its control, the numbers of its parts, and the size of its shape.
 
 Nothing here knows a profile, a law or a substrate by name. Each number of a part has a slider of
-its own. Lists of numbers are scaled together: the lists that scale all heights are the amplitude,
-those that scale the x axis are the length. They are found by trial. A further slider replaces the
-shape by a number of samples.
+its own. The lists of numbers of a profile share two sliders: the amplitude multiplies the lists
+that scale all heights, and the length multiplies the lists that scale the x axis. Doubling the
+lists shows what they scale. A further slider replaces the shape by a number of samples.
 """
 
 import math

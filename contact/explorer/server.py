@@ -1,7 +1,7 @@
 """The server of the page: files of the page, and replies to its requests, on this machine only.
 
-A reply is a JSON object, followed by the numbers of arrays as they are in memory: drawing starts
-without text being read. Requests are answered one at a time, since a solve uses one processor.
+A reply is a JSON object, followed by arrays of numbers in binary form, which the page can draw
+without parsing text. Requests are answered one at a time, since a solve uses one processor.
 """
 
 import json

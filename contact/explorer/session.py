@@ -41,8 +41,8 @@ from sie import Array
 class Given:
     """The scene that a page begins with.
 
-    tables: those of its file, if it has one; folder: that of the file; preset: its name among the
-    presets, or "".
+    tables: tables of the scene's file, if there is one; folder: folder of this file; preset: name
+    of the scene among the presets, or "".
     """
 
     scene: Scene
@@ -62,7 +62,8 @@ Parts = tuple[dict[str, Any], dict[str, Array]]
 class Session:
     """The scene that one tab of a browser shows, and the requests of this tab.
 
-    is_awaited: whether another request waits. Then a load curve, or a scene at rest, gives way.
+    is_awaited: function that tells whether another request waits. If so, the computation of a load
+    curve, or of a solution to full accuracy, is stopped.
     """
 
     def __init__(self, given: Given, tol: float, is_awaited: Callable[[], bool]) -> None:
@@ -71,7 +72,7 @@ class Session:
         self._curve: Curve | None = None  # of the solutions while the slider of the control moves
         self._walk: Iterator[Solution] | None = None
         self._points: list[Point] = []
-        self._lines = 0  # number of load curves so far; it tells the page that one is outdated
+        self._lines = 0  # number of load curves so far; tells the page which curve is outdated
         self._branch, self._seconds = "advancing", 0.0
         self._begin(given.scene, given.tables)
 
@@ -257,8 +258,8 @@ class Session:
     def text(self, scene: Scene, values: Mapping[str, float] | None = None) -> str:
         """The text of the scene file.
 
-        Materials are those of the given file, not E*. An unchanged trace is given by the name of
-        its file, a changed trace by its points.
+        The material is written as elastic constants if the given file has them, else as E*. An
+        unchanged trace is given by the name of its file, a changed trace by its points.
         """
         read = self.base.profile.bodies
         written = {
@@ -329,7 +330,7 @@ def _completed(law: Mapping[str, Any], moduli: Mapping[str, float]) -> Mapping[s
 
 
 def title(scene: Scene) -> str:
-    """What a scene is, in a few words: shape, interaction, body and law."""
+    """The title of a scene: its shape, interaction model, substrate and law, in a few words."""
     parts = [scene.profile.title, scene.interaction.name]
     usual = type(scene).__dict__
     parts += [
@@ -343,7 +344,7 @@ def title(scene: Scene) -> str:
 def _shown(handle: Handle, scene: Scene) -> dict[str, Any]:
     """The data from which the page makes a slider."""
     label = handle.name.replace("E_star", "E*").replace("_", " ")
-    if handle.name == "nu":  # nu1 and nu2 are those of the bodies
+    if handle.name == "nu":  # nu1 and nu2 belong to the bodies
         label = f"nu of the {scene.substrate.name}"
     shown = {"name": handle.name, "label": label, "unit": handle.unit, "value": handle.value}
     return shown | {

@@ -4,7 +4,7 @@
     plateau   overlap >= 0
     gap       gap >= 0
 
-The first two limits and the load are what `contact.verify.certificate` checks without plateaus.
+0 < p, gap >= 0 and the load are checked by `contact.verify.certificate`, as without plateaus.
 """
 
 from __future__ import annotations

@@ -99,7 +99,8 @@ class PlasticFields(ZoneFields):
 
     def overlap(self, x: ArrayLike) -> Array:
         """Height [m] at x [m] that the body lost by yielding; 0 outside the plateaus.
-        Without yielding, the surfaces would overlap by it.
+
+        Without this loss of height, the surfaces would overlap.
         """
         scaled = self._scaled(x)
         on = self.on_plateaus(scaled)

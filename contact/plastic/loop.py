@@ -1,7 +1,7 @@
 """Newton on the ends, check of the states, correction of the spots, until all states are right.
 
-The problem is a minimum of a strictly convex energy, so that spots whose states are right are the
-only ones.
+The contact minimizes a strictly convex energy. So only one set of contacts and plateaus has the
+right state (gap, elastic or plateau) everywhere.
 """
 
 from __future__ import annotations

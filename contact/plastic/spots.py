@@ -141,7 +141,7 @@ def _cut(contacts: Array, negative: Array, period: float | None, full: bool) -> 
 def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
     """The state with each plateau clipped to its contact, leaving elastic rims next to gaps.
 
-    rims: whether each rim is at least `RIM` times as wide as its contact.
+    rims: whether each rim is at least `RIM` times as wide as the plateau next to it.
     """
     period = problem.period
     if spots.full:
@@ -155,7 +155,8 @@ def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
         if contacts[0, 1] - contacts[0, 0] >= period:
             return tidied(Spots(contacts, plateaus, True), problem)
         contacts = tables.parted_at_wide(contacts, period)
-        # The cell begins in a gap, so that rounding moves no plateau at a contact's end out of it.
+        # The cell begins in the middle of a gap. So rounding does not move a plateau at the end of
+        # a contact to the other side of the cell.
         gap = contacts[0, 0] + period - contacts[-1, 1]
         plateaus = tables.in_cell(plateaus, contacts[0, 0] - 0.5 * gap, period)
     out: list[tuple[float, float]] = []
@@ -171,8 +172,11 @@ def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
 
 
 def joined(plateaus: Array, more: Array, period: float | None) -> Array:
-    """The union of plateaus; none if they cover the period. period: None if no image can meet."""
-    # Ends that only rounding keeps apart meet.
+    """The union of two tables of plateaus; empty if the plateaus cover the period.
+
+    period: None if plateaus do not meet across the border of the period.
+    """
+    # Plateaus whose ends differ by round-off only are joined.
     more = more + 8 * EPS * np.maximum(1.0, np.abs(more)) * [-1.0, 1.0]
     table = np.concatenate((plateaus, more))
     if period is None:

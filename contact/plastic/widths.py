@@ -1,7 +1,7 @@
 """Contacts of a given contact fraction or half width, under a limit of the pressure.
 
-Contacts grow with the load: a bracket on the load finds the one at which the width has its value.
-On the width w a contact bears less than H w, H the hardness, so that no larger load is tried.
+Contacts grow with the load: a bracket on the load finds the load at which the width has the given
+value. A contact of width w bears less than H w, with the hardness H. So no larger load is tried.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def _evened_slope(width: float, scale: float) -> float:
 def half_width(solution: Solution) -> tuple[float, float]:
     """Half width [m] of the contact about x = 0, and its derivative by the load.
 
-    Of a gap about x = 0 it is minus the half width.
+    If there is a gap about x = 0, the first number is minus the half width of the gap.
     """
     period, table = solution.scene.period, solution.fields.zone_table
     if len(table) == 0:

@@ -1,8 +1,9 @@
 """The profile that yielding leaves: f + w, with the overlap w of the plateaus.
 
-Elastic contact of it under the same load has the same pressure, so that unloading begins there. In
-the contact its slope is that of the displaced surface, (2/E*) T p. At a distance d inside a plateau
-from its end, w = (4/3) |A| d^(3/2) / E*, with the edge slope A of the pressure beside the plateau.
+The elastic contact of this profile under the same load has the same pressure, so that unloading
+begins from this contact. On the plateaus the profile's slope is the slope of the displaced surface,
+(2/E*) T p, with the transform T p of the pressure. In a plateau, at the distance d from its end,
+w = (4/3) |A| d^(3/2) / E*, with the edge slope A of the pressure beside the plateau.
 """
 
 from __future__ import annotations

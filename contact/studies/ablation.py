@@ -5,9 +5,10 @@
 The scenes are 95 ordinary ones, 91 of them of `contact.studies.random_scenes` and four adhesive
 traces, and the extreme ones of `contact.studies.bench.extremes` that take no more than about a
 second. A mechanism is switched off by replacing a function, a class attribute or a field of
-options, in a process of its own. The table has for each mechanism the scenes that are lost, those
-whose answer changes by more than the sum of both stated errors, and the processor time relative to
-the run with everything on. If a target does not exist, an error is raised. `--ordinary` leaves out
+options, in a process of its own. For each mechanism the table has the number of scenes that are
+lost, the number of scenes whose answer changes by more than the sum of both stated errors, and the
+processor time relative to the run with everything on. If the object to be replaced does not exist,
+an error is raised. `--ordinary` leaves out
 the extreme scenes, which take most of the time. `python -m contact.studies.pages DIR` sets
 DIR/ablation.md in docs/ablation.md.
 """

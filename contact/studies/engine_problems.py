@@ -14,11 +14,12 @@ from the smooth part of the kernel. `--second-kind` adds kappa phi to the equati
 exponent at a right end is alpha or alpha - 1, and at a left end 1 - alpha or -alpha, with
 cot(pi alpha) = kappa, and phi has the factor sin(pi times the exponent at the right end). P may
 have poles, so that g has them, too. Totals and levels are integrals from an end a to an end b, by
-the trapezoidal rule in s = log((x - a)/(b - x)), whose convergence does not depend on the gaps (M.
-Mori, Publ. RIMS 41, 2005, 897-935).
+the trapezoidal rule in s = log((x - a)/(b - x)). The gaps do not slow down the convergence of this
+rule (M. Mori, Publ. RIMS 41, 2005, 897-935).
 
-Each fault is printed: `dishonest` for a true error above the stated one, of all zones or of one,
-`exception`, or `slow`. At the end come the counts and the largest ratio of true to stated error.
+Each fault is printed: `dishonest`, `exception` or `slow`. A solution is dishonest if a true error,
+of all zones together or of a single zone, is above the stated one. At the end come the counts and
+the largest ratio of true to stated error.
 """
 
 from __future__ import annotations
@@ -156,9 +157,9 @@ class Design:
     ) -> float:
         """Integral of a weight times the product P |Y| (module head), from the end a to the end b.
 
-        The trapezoidal rule in s has an error of about exp(-2 pi h/step) by its step, with h = pi,
-        or the imaginary part of s at a pole of P. The error by its last node is about exp(-46), for
-        the exponent with the slowest decay.
+        The step of the trapezoidal rule in s causes an error of about exp(-2 pi h/step). Here h is
+        pi or, if P has a pole, the imaginary part of s at this pole. The sum ends at a node that
+        leaves an error of about exp(-46), for the exponent with the slowest decay.
         """
         step = 0.4
         if self.pole is not None:

@@ -2,9 +2,8 @@
 
     python -m contact.studies.run [--quick] [--peers] [--docs] OUT
 
-Tables, CSV and figures go to OUT. `--docs` inserts them, and other tables found there, into the
-pages.
-It runs on one thread.
+Tables, CSV files and figures go to OUT. `--docs` inserts all tables and figures of OUT into the
+pages of docs. The program runs on one thread.
 """
 
 from __future__ import annotations

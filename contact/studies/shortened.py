@@ -132,9 +132,9 @@ def hardest_reached(cells: Cells) -> Cells:
     """Short form of a table of times of several codes.
     For each scene it keeps the smallest error that was reached.
 
-    The columns are the scene, then for each bound of the error, falling, one column for each code,
-    named "bound: code". A bound counts as reached if a code other than the first reaches it. If
-    none is, the largest bound is shown.
+    The first column is the scene. The other columns are named "bound: code": for each bound of the
+    error, from large to small, there is one column for each code. A bound counts as reached if a
+    code other than the first reaches it. If no bound is reached, the largest one is shown.
     """
     bounds = list(dict.fromkeys(name.partition(": ")[0] for name in cells.columns[1:]))
     codes = list(dict.fromkeys(name.partition(": ")[2] for name in cells.columns[1:]))

@@ -27,9 +27,9 @@ from sie.slits.kinks import SlitKink
 from sie.slits.plane import SlitPlane
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, outside_slit
 
-# Distance from a wide zone over its half width, beyond which a short series is enough. The first
-# `min_slack_modes` coefficients of the slack (the unknown function in a slit) then give its field
-# to round-off.
+# Distance from a wide zone, divided by its half width, beyond which a short series is enough. There
+# the first `min_slack_modes` coefficients of the slack (the unknown function in a slit) give the
+# field of the slack to round-off.
 _FAR = excess_of(DIGITS / OPTIONS.min_slack_modes)
 
 
@@ -44,7 +44,7 @@ class SlitDensity(DensityBase):
     ----------
     geometry : SlitGeometry
         The zones (`geometry.pieces`), the wide zones that span the narrow gaps (`geometry.wide`),
-        and the slits in these.
+        and the slits in the wide zones.
     smooth : Density
         c = phi - P[s] on the wide zones, as smooth as the right side; P[s] is the density that the
         slack s causes.
@@ -231,8 +231,8 @@ class SlitDensity(DensityBase):
     def intensities(self) -> tuple[Array, Array]:
         """Intensities K at the left and right end of each given zone.
 
-        At an end of a slit, K is that of sigma / X, X = sqrt(1 - t^2) of the wide zone. At the left
-        end of a slit its sign changes.
+        At an end of a slit, K is the intensity of sigma / X, with the opposite sign at the slit's
+        left end. X is sqrt(1 - t^2), with the coordinate t of the wide zone.
         """
         return self.edges(self._edged.intensities, self.sigma.intensities, (-1.0, 1.0))
 
@@ -240,8 +240,8 @@ class SlitDensity(DensityBase):
     def edge_slopes(self) -> tuple[Array, Array]:
         """Edge slopes A, the coefficients of sqrt(d), at the left and right end of each given zone.
 
-        At the right end of a slit, A is that of sigma / X with the opposite sign, X = sqrt(1 - t^2)
-        of the wide zone.
+        At an end of a slit, A is the edge slope of sigma / X, with the opposite sign at the slit's
+        right end. X is sqrt(1 - t^2), with the coordinate t of the wide zone.
         """
         left, right = (part.copy() for part in self._edged.edge_slopes)
         wide = self.geometry.wide
@@ -285,11 +285,11 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """On each zone: (largest density, its largest change if the left, if the right end moves).
+        """Largest density on each zone, and its largest changes if the left or right end moves.
 
-        See `Density.sensitivity`.
-
-        Differences between points replace the series, which a single given zone does not have.
+        Returns (densities, changes for left ends, changes for right ends); see
+        `Density.sensitivity`. Differences between points replace the series, which a single given
+        zone does not have.
         """
         angles = [
             self._sample_angles(piece, count) for piece, count in enumerate(self._counts.tolist())
@@ -329,8 +329,8 @@ class SlitDensity(DensityBase):
 
         A given zone ends at an end of a wide zone or at a slit, a narrow gap inside the wide zone.
 
-        wide, slits: values at left and at right ends. Those of slits are divided by sqrt(1 - t^2)
-        of the wide zone and multiplied by `signs`, one for left and one for right ends.
+        wide, slits: values at left and at right ends. The values of slits are divided by
+        sqrt(1 - t^2) of the wide zone and multiplied by `signs`, one for left, one for right ends.
         """
         before, after = self.geometry.slit_before, self.geometry.slit_after
         root_left, root_right = self.slit_roots
@@ -422,10 +422,10 @@ class SlitDensity(DensityBase):
         return np.asarray(self.zones.half[piece] * out)
 
     def _smooth_series(self, piece: int) -> Array:
-        """Coefficients in T_j / sqrt(1 - t^2) of the smooth part of the density on a given zone:
-        the density minus the logarithms that jumps of the right side cause.
+        """Coefficients in T_j / sqrt(1 - t^2) of the smooth part of the density on a given zone.
 
-        X = sqrt(1 - t^2), with the coordinate t of the zone.
+        The smooth part is the density minus the logarithms that jumps of the right side cause. t is
+        the coordinate of the given zone.
         """
         if piece not in self._kept_series:
             last, n = np.inf, 64
@@ -549,9 +549,9 @@ class SlitDensity(DensityBase):
     def _add_slits(self, x: Array, out: Array, potential: bool) -> None:
         """Correct `out` (transform or potential) at points x close to wide zones with slits.
 
-        It is also corrected close to periodic images of these zones. There the first coefficients
-        of the slack s are too few. Their field is subtracted, and off the zone the closed form is
-        added.
+        `out` was computed from the first coefficients of the slack s, which are too few at such
+        points. Their field is subtracted, and at points off the zone the closed form is added.
+        Points close to periodic images of these zones are treated in the same way.
         """
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
@@ -595,7 +595,8 @@ class SlitDensity(DensityBase):
     def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
         """Potential, outside a wide zone, of the density due to the unknowns s in its narrow gaps.
 
-        It is -w sum s_k rho^k / k, summed in closed form over each slit.
+        It is -w sum s_k rho^k / k, with the half width w of the zone and the sine coefficients s_k
+        of s. The sum over k has a closed form, which is integrated over each slit.
         """
         rho = seen.rho
         total = np.zeros(rho.shape)

@@ -1,8 +1,9 @@
 r"""A jump of the right side in a slit of a wide zone, in closed form.
 
 Let h be the jump at s (see `sie.jumps.right_side`): of the right side for q = 0, of its q-th
-derivative for q = 1, 2. It causes a density (h/pi)(t - s)^q kappa(t) on the wide zone that is
-singular at s. So is the slack of the slit. Its singular part psi is known and given here.
+derivative for q = 1, 2. It causes a density (h/pi)(t - s)^q kappa(t) on the wide zone, where the
+logarithm kappa is infinite at s. The slack of the slit is singular at s, too. The singular part psi
+of the slack is known and given here.
 
 Let bar(f(.)) be the mean of f over the slit's equilibrium measure, where the dot is the place in
 the slit. Let chi = arccos(-z)/pi be the distribution function of that measure, H the unit step and
@@ -18,8 +19,8 @@ psi vanishes at both ends of the slit. P[psi] is the density that psi causes, an
         = (h/pi)(bar((t - .) kappa) + (m - s) bar(kappa) - (phi - bar(phi)) X) + (a_0 + a_1 t) / X,
     a_0 = (1/pi) int psi tau / X,   a_1 = (1/pi) int psi / X.
 
-Let r be the slit's half width. The means that occur are smooth on the slit, so that its series
-represents a smooth function:
+Let r be the slit's half width. The means that occur are smooth on the slit, so that the rest of the
+slack, which is computed as a series on the slit, is smooth, too:
 
     bar(ln|t - .|) = ln(r/2),   bar((t - .) ln|t - .|) = r z (ln(r/2) + 1)     on the slit,
     ln(r/2) + u   and   r sgn(z) (|z| (ln(r/2) + 1 + u) - sinh u)              off it, |z| = cosh u.
@@ -34,9 +35,9 @@ and (t - s)^2 kappa is replaced by
 
 The mean of (z - .)^2 ln|z - .| is z^2 (3/2 - ln 2) + 1/4 - (ln 2)/2 on the slit. It is (z^2 + 1/2)
 (u - ln 2) + 2 |z| e^-u - e^-2u / 4 off the slit. The transforms of (t - s)^2 kappa and of its
-replacement differ by a polynomial, which X times another polynomial cancels. Let D be the
-difference phi - phi(.), y = t - m, and c the place in the slit, from -1 to 1, over which the mean
-is taken. That term is (derived here)
+replacement differ by a polynomial. A term of the density, X times another polynomial, cancels this
+difference. Let D be phi - phi(.), y = t - m, and c the place in the slit, from -1 to 1, over which
+the mean is taken. The term is (derived here)
 
     -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)).
 """
@@ -145,10 +146,11 @@ class SlitKink(Kept):
 
     @property
     def at_ends(self) -> float:
-        """Coefficient J of psi near the slit's ends: psi is -(J/pi) sqrt(2 delta) left, + right.
+        """Coefficient J of psi near the slit's ends, where psi is -+(J/pi) sqrt(2 delta).
 
-        psi is the jump's part of the slack (the slit's unknown function), see `slope`. delta is the
-        distance from the end, divided by the slit's half width.
+        The sign is minus at the left end and plus at the right end. psi is the jump's part of the
+        slack (the slit's unknown function), see `slope`. delta is the distance from the end,
+        divided by the slit's half width.
         """
         return self.jump * self.half**self.order * self._weights[0]
 
@@ -218,10 +220,10 @@ class SlitKink(Kept):
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
-        """(value at the slit's middle, slope) of a linear function P; -P sqrt(1 - t^2) is a term.
+        """(value at the slit's middle, slope) of a linear function P of the coordinate t.
 
-        This is a term of the density that the jump and psi (see `slope`) cause. P is zero for a
-        jump of order 0 and constant for order 1.
+        -P sqrt(1 - t^2) is a term of the density that the jump and psi (see `slope`) cause. P is
+        zero for a jump of order 0 and constant for order 1.
         """
         if self.order == 0:
             return 0.0, 0.0

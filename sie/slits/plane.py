@@ -19,8 +19,8 @@ with -i (2 log(B) - log(2 rho (zeta - s'))) for G. The mean of log(B) is smooth,
 s') is log(r / 2 rho_slit), and that of (zeta - s') log(zeta - s') is r (zeta_slit (log(r/2) + 1 +
 arcosh(zeta_slit)) - sqrt(zeta_slit^2 - 1)).
 
-The potential is integrated along the vertical from a height at which the coefficients of the wide
-zones give all of it: W(z) = W(z + i Y) - i int F.
+The potential W is integrated along the vertical: W(z) = W(z + i Y) - i int F, with the transform F.
+The integral begins at a height where the first coefficients on the wide zones give W to round-off.
 """
 
 from collections.abc import Iterator

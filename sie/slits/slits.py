@@ -310,12 +310,10 @@ class Slit(Kept):
         return self.root(*chebyshev.gauss_sides(self.nodes))
 
     def means(self, values: Array) -> Array:
-        """Means, over the slit's Gauss nodes, of a function times Chebyshev's T_l, l = 0 ...
-        modes.
+        """Means over the slit of a function times T_l(z), l = 0 ... `modes`.
 
-        values: values of the function at the slit's Gauss nodes, along the last axis.
-
-        The weight is 1 / sqrt(1 - z^2).
+        values: values of the function at the slit's Gauss nodes, along the last axis. The means
+        have the weight 1 / sqrt(1 - z^2), with the slit's coordinate z.
         """
         return chebyshev.t_means(values, self.modes + 1)
 
@@ -516,7 +514,7 @@ class Slits(Kept):
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
         """For each slit, a row of zeros, then U_(l-1) coefficients of the functions `values`.
 
-        The row of zeros is that of the condition on the integral of the slit's slack.
+        The row of zeros belongs to the condition on the integral of the slit's slack.
         """
         blocks = []
         for slit, (left, right) in zip(self.slits, self._angles, strict=True):

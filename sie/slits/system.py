@@ -384,7 +384,8 @@ class SlitState(Answered):
     def intensity_noise(self) -> Array:
         """Round-off of the intensities K at the left and right ends of the given zones (2, n).
 
-        At the ends of slits it acts at one point and is not averaged.
+        At the ends of slits the round-off is not averaged over a zone, and gets the factor
+        `ERRORS.safety`.
         """
         rest = self.rest * row_sizes(self.whole.density.coefficients).max()
         # An intensity K is `edge_scale` times a sum of the zone's coefficients. So the round-off of

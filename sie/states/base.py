@@ -31,7 +31,8 @@ class Answered(Kept):
     """Common base class of solutions with and without slits.
     A slit is a narrow gap that is treated as part of a wide zone.
 
-    The members follow from `whole`, the solution in which no gap is a slit.
+    The members follow from `whole`: this solution itself or, with slits, the solution on the wide
+    zones.
     """
 
     if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """The reason why a solution on given zones is not more accurate, in words.
 
-It is the largest part of the stated error of a `State`, with slits or without (`Any` stands for
-both here, since `sie.states.base` uses this file).
+The reason is the largest part of the stated error. A state is a `State` or a `SlitState`; it has
+the type `Any` here, because `sie.states.base` imports this file.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from sie.states.options import OPTIONS as ERRORS
 class ReasonOptions:
     """Limit that decides which cause is named as the reason for an error."""
 
-    # Above this ratio of the density's change to the residuals of the equations that cause it, the
-    # side conditions nearly depend on each other. Round-off explains a residual up to this multiple
-    # of the round-off of its terms.
+    # The residuals of the equations change the density. If this change, divided by the residuals,
+    # is above this ratio, the side conditions nearly depend on each other. A residual up to this
+    # multiple of the round-off of its terms is explained by round-off.
     max_ratio: float = 1e4
 
 

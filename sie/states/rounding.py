@@ -62,8 +62,9 @@ def _of_others(state: Solved) -> Array | float:
     """Error of each zone's intensities K (Z,) caused by the round-off of jumps in other zones.
     K is the coefficient of 1 / sqrt(distance) in the density close to an end.
 
-    It is sampled by the field of one random density of that size. It matters for narrow zones next
-    to a wide one with many knots, since the terms of these are much larger than their sum.
+    The round-off is replaced by one random density of the same size, and the field of this density
+    gives the error. The error matters for narrow zones next to a wide zone with many jumps, because
+    the terms of the jumps are much larger than their sum.
     """
     system, zones = state.system, state.density.zones
     layout, rounding = system.layout, system.jumps.rounding(len(zones))
@@ -166,9 +167,9 @@ def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array)
     """Error of each row of the system, by truncated coefficients and low modes of the residual.
 
     missing: sum of the truncated coefficients (Z,); low: amplitudes of the residual's lowest modes
-    (solved zones, modes). Truncated coefficients act on the rows as the last kept one does, or
-    less. Conditions may carry their effect to other zones and enlarge it. For example, K = 0 at an
-    end next to a strong zone may determine the total of a distant one.
+    (solved zones, modes). Truncated coefficients act on the rows as the last kept coefficient does,
+    or less. Side conditions may carry this effect to other zones and enlarge it. For example, K = 0
+    at an end next to a strong zone may determine the total of a distant zone.
     """
     system = state.system
     layout, solved = system.layout, system.zones.solved

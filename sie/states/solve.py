@@ -155,10 +155,11 @@ def solve_fixed(
 
 def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     """Number of modes of each zone for the next solution; None if the present numbers suffice.
-    Counted are modes whose coefficients are unknowns of the linear system for all zones.
 
-    Each zone gets its own number, since it would cost too much to give all zones as many as the
-    worst one. Last coefficients (tails) below the error of an iteration are no reason for more.
+    Only modes whose coefficients are unknowns of the linear system for all zones are counted. Each
+    zone gets its own number, since it would cost too much to give all zones as many as the worst
+    one. A zone gets no more modes if its last coefficients (`tails`) are below the error of an
+    iteration.
     """
     m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
     kernel, sizes = state.equation.kernel, state.sizes

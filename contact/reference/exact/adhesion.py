@@ -1,8 +1,8 @@
 """Adhesion of one symmetric zone: single states, and curves of equilibria.
 
-The pressure of an adhesive state is that of the frictionless zone of the same half width, less the
-pressure of a load that leaves the zone flat. The equilibria at a fixed work of adhesion form a
-curve. With M the compliance of the machine that loads the body (0: prescribed approach, inf:
+The pressure of an adhesive state is the pressure of the frictionless zone of the same half width,
+minus the pressure of flat punches whose displacement is constant in the zone. The equilibria at a
+fixed work of adhesion form a curve. With M the compliance of the machine that loads the body (0: prescribed approach, inf:
 prescribed load), an equilibrium is stable if approach + M load grows along the curve as the contact
 grows; stability changes at turning points (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
 doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
@@ -86,12 +86,10 @@ class AdhesiveZone(SymmetricZone):
         return self.zone._approach()
 
     def _approach_rate(self, load: float, at_load: float) -> float:
-        """Derivative of the approach by the parameter: `punch_compliance` * `load` + `at_load`.
-        Here `load` is the derivative of the load, and `at_load` that of the approach at a fixed
-        load.
+        """Derivative of the approach by the parameter of the equilibria; nan without a datum.
 
-        load: derivative of the load. at_load: derivative of the approach at constant load. The
-        result is nan without a datum.
+        load: derivative of the load. at_load: derivative of the approach at constant load. Both are
+        derivatives by the same parameter.
         """
         return nan if self.punch_compliance is None else self.punch_compliance * load + at_load
 
@@ -249,7 +247,7 @@ class Equilibria(Generic[State]):
         return root(residual, lo, hi)
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
-        """For each branch that is stable at prescribed load: (parameters, loads) at both its ends.
+        """Parameters and loads at both ends of each branch that is stable at prescribed load.
 
         Each row is (first parameter, last parameter, load at the first, load at the last).
         """
@@ -260,9 +258,7 @@ class Equilibria(Generic[State]):
         ]
 
     def advancing(self, load: float) -> State | None:
-        """The equilibrium that loading from first touch reaches at `load`.
-        It is None if this is full contact.
-
+        """The equilibrium that loading from first touch reaches at `load`; None: full contact.
         Raises OutOfRange past pull-off.
         """
         load = finite("load", load)
@@ -271,8 +267,7 @@ class Equilibria(Generic[State]):
         return self._lowered(parts[: reached[0] + 1], load) if reached else None
 
     def receding(self, load: float) -> State | None:
-        """The equilibrium that unloading reaches at `load`; None if this is full contact.
-
+        """The equilibrium that unloading reaches at `load`; None: the contact is still full.
         Raises OutOfRange past pull-off.
         """
         load = finite("load", load)

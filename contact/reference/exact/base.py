@@ -302,9 +302,9 @@ class SymmetricZone(PressedBody):
 
     @property
     def _sine_unit(self) -> float:
-        """Unit of length [m] of the result of `_sine`: L/pi with the period L.
+        """Factor that turns the result of `_sine` into a length [m]: L/pi with the period L.
 
-        It is 1 for an isolated zone.
+        It is 1 for an isolated zone, where `_sine` is a length already.
         """
         return 1.0 if self.period is None else self.period / pi
 

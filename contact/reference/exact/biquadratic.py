@@ -23,8 +23,8 @@ class IsolatedBiquadratic(PressedBody):
     While the total load is P < pi E* c^2/8R there are two zones a <= |x| <= b, a^2 + b^2 = 2c^2,
     h = (b^2 - a^2)/2:
 
-    (32) p = (E*/4Rc^2) |x| sqrt((x^2 - a^2)(b^2 - x^2)),   (33) P = pi E* h^2/8Rc^2 (half of it a
-    zone), gap = (1/8Rc^2)(v sqrt(v^2 - h^2) - h^2 arcosh(v/h)), v = |x^2 - c^2|,
+    (32) p = (E*/4Rc^2) |x| sqrt((x^2 - a^2)(b^2 - x^2)),   (33) P = pi E* h^2/8Rc^2 (half of P on
+    each zone), gap = (1/8Rc^2)(v sqrt(v^2 - h^2) - h^2 arcosh(v/h)), v = |x^2 - c^2|,
     approach = (h^2/8Rc^2)(ln(2d^2/h) + 1/2).
 
     Above that load there is one zone |x| <= b:   p = (E*/8Rc^2) sqrt(b^2 - x^2)(2x^2 + b^2 - 2c^2),

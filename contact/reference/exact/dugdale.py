@@ -18,9 +18,9 @@ and r. With u = pi x/L, A = pi a/L, C = pi c/L,
     approach    d_0 - 2s int K dB,   d/dc = -2s (K dB/dc - (2/pi E*) l),   d/da = K d P/da
 
 Here p_0, g_0 and d_0 are the pressure, gap and approach of the frictionless zone of half width a,
-and P_0 its load, so that P = P_0 - 2 s B. K is the compliance of the flat punch of half width a; in
-the integral it is that of each punch between a and c. The artanh is that of X or of 1/X, whichever
-is below 1. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
+and P_0 its load, so that P = P_0 - 2 s B. K is the compliance of the flat punch of half width a. In
+the integral, K belongs to the punch that is added in the step dB; its half width lies between a and
+c. The artanh is taken of X or of 1/X, whichever is below 1. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
 10.1016/0021-9797(92)90285-T; cylinder: J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997)
 393-406, derived again; periodic wave: derived here. When c reaches L/2 the tension acts on the
 whole gap: the state is then the frictionless zone under a uniform tension.
@@ -69,7 +69,7 @@ class DugdaleZone(_DugdaleState):
     """Maugis-Dugdale adhesion of one zone |x| <= a, with the tension s on a < |x| < c.
 
     The pressure is bounded at the ends; the work of adhesion is the stress times the gap at c.
-    With p_0 and P_0 of the frictionless zone, the isolated zone has
+    With the pressure p_0 and the load P_0 of the frictionless zone, the isolated zone has
     p = p_0 - (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2))) and P = P_0 - 2 s sqrt(c^2 - a^2). For
     the formulas with a period see the head of this module. Energies are in `AdhesiveZone`, fields
     in `SymmetricZone`. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
@@ -232,9 +232,8 @@ class DugdaleZone(_DugdaleState):
     @property
     def surface_energy(self) -> float:
         """Energy of the interface [J/m]: 2 stress int_a^c gap dx - 2 c work.
-        The tension acts on a < |x| < c.
 
-        The tension acts from the zone's end a to c.
+        The tension acts on a < |x| < c, with the zone's end a.
         """
 
         def gap(e: Array, f: Array) -> Array:
@@ -298,7 +297,7 @@ class MetDugdaleZone(_DugdaleState):
     SceneError
         If the zone has no period, or the stress or the work is not positive and finite.
     OutOfRange
-        If the intervals do not meet at this work.
+        If the gap at L/2 is too large for the tension to act there at this work.
 
     Examples
     --------
@@ -363,8 +362,8 @@ class MetDugdaleZone(_DugdaleState):
 class _DugdaleEquilibria(Equilibria[_DugdaleState]):
     """The curve of equilibria, whose parameter is the end c of the tension (on a < |x| < c).
 
-    Once the intervals meet at L/2, the parameter is L/2 plus the growth of the half width since
-    then.
+    Once c reaches L/2, the tension acts on the whole gap. From then on the parameter is L/2 plus
+    the growth of the half width of the zone.
     """
 
     stress: float
@@ -495,14 +494,14 @@ class DugdaleCylinder(Cylinder, _DugdaleEquilibria):
 class DugdaleWave(Wave, _DugdaleEquilibria):
     """The equilibria of a wave f = Delta (1 - cos(2 pi x/L)) under Maugis-Dugdale adhesion.
 
-    The parameter is the end c of the cohesive intervals; once they meet, it is L/2 plus the growth
-    of a since then. While they are separate,
+    The parameter is the end c of the cohesive intervals. Once these intervals meet, the parameter
+    is L/2 plus the growth of a since then. While the intervals are separate,
 
     mean pressure = p* sin^2 A - (2s/pi) arccos(cos C/cos A),
     gap at c = 2 Delta (sin C sqrt(sin^2 C - sin^2 A) - sin^2 A arcosh(sin C/sin A))
                + (4s/pi E*) int_a^c artanh X dx = w/s;
 
-    once they have met, the mean pressure is p* sin^2 A - s. Full contact opens at the mean pressure
+    once the intervals have met, the mean pressure is p* sin^2 A - s. Full contact opens at the mean pressure
     p* - s, at which the traction in the valley is -s. Derived here, after D. Maugis, J. Colloid
     Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T.
 
@@ -571,8 +570,8 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         """Half width of the zone at which the tension first acts on the whole gap.
         The cohesive intervals (where it acts) then meet in the middle of the gap.
 
-        The frictionless gap is work/stress there. The result is 0 if this gap is less than
-        work/stress for all half widths.
+        At this half width the frictionless gap is work/stress in its middle. The result is 0 if the
+        frictionless gap in the middle is at most work/stress for all half widths.
         """
         if self.end_gap >= 2.0 * self.amplitude:
             return 0.0
@@ -594,7 +593,7 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
     def least_cohesive_end(self) -> float:
         """End c of the tension in the state in which the bodies first touch.
 
-        It is half the period if the intervals meet in all states.
+        It is half the period if the tension acts on the whole gap in all states.
         """
         half = 0.5 * self.period
         if self.meeting_half_width == 0.0:
@@ -605,11 +604,10 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         return root(lambda c: self.touching_gap(c) - self.end_gap, shares[i], shares[i - 1])
 
     def at(self, parameter: float) -> _DugdaleState:
-        """The equilibrium with this `parameter`, the end c of the tension up to half a period.
-        Above half a period the tension acts on the whole gap, and the parameter grows with the half
-        width.
+        """The equilibrium with this `parameter`: the end c of the tension, up to half a period.
 
-        Above half the period, the excess of `parameter` is the growth of the half width.
+        Above half a period the tension acts on the whole gap. Then `parameter` minus half a period
+        is the growth of the zone's half width since the tension reached the middle of the gap.
         """
         half = 0.5 * self.period
         if parameter < half:

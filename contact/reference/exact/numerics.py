@@ -17,7 +17,8 @@ def _tanh_sinh() -> tuple[Array, Array, Array]:
     """Nodes and weights of the double-exponential rule on (0, 1).
     Each node is given by its distances from 0 and from 1.
 
-    The rule is exact to round-off for end singularities milder than 1/sqrt (Takahasi & Mori 1974).
+    The rule is exact to round-off if the function grows more slowly than 1/sqrt(distance) at the
+    ends (Takahasi & Mori 1974).
     """
     step = 0.08
     tau = np.arange(-45, 46) * step
@@ -31,9 +32,9 @@ FROM_LEFT, FROM_RIGHT, WEIGHT = _tanh_sinh()
 
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
     """Integral of a function from 0 to `length`.
-    The arguments of the function are the distances from both ends, so that it stays accurate next
-    to them.
 
+    The arguments of the function are the distances from both ends of the interval. So the function
+    can be computed accurately next to each end.
     `length` may be an array; the integral has its shape.
     """
     length = np.asarray(length, dtype=np.float64)

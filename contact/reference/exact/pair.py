@@ -3,13 +3,13 @@
 Let v = x without a period and v = tan(pi x/L) with one; as the pressure is even, the Hilbert kernel
 is the Cauchy kernel in v. With y = v^2 = m + h cos(theta), the two zones are one zone in y, of
 middle m and half width h. The slope f' of the profile is odd, so f' = v G(y) with
-G = sum g_n cos(n theta), and (34) with its boundary conditions becomes
+G = sum g_n cos(n theta). Equation (34) of the paper below, with its boundary conditions, becomes
 
     bounded at all four ends   g_0 = 0,
     p = (E* |v|/2) sum g_n sin(n theta),
     P = pi E* h g_1/4 isolated,   P = (E* L/2) |sum g_n rho^n| periodic,
 
-where rho = -1/(z + sqrt(z^2 - 1)) and z = (1 + m)/h. For G linear in y this is (32) and (33) of
+where rho = -1/(z + sqrt(z^2 - 1)) and z = (1 + m)/h. For G linear in y these are (32) and (33) of
 Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045. The rest is derived here.
 """
 
@@ -50,15 +50,12 @@ class Pair:
 
 @dataclass(frozen=True, eq=False)
 class EvenPair(Pair):
-    """Two zones a <= |x| <= b with an even pressure, solved as one zone in a variable y.
-    y is x^2 or, with a period L, tan^2(pi x/L).
+    """Two zones a <= |x| <= b with an even pressure, solved as one zone in the variable y = v^2.
 
-    The variable is y = v^2, as explained at the head of this module.
-
-    With y = m + h cos(theta), the pressure is p = (E*/2)|v| sum g_n sin(n theta). Isolated, v = x
-    and P = pi E* h g_1/4; with a period v = tan(pi x/L): see the head of this module. Derived here;
-    for G linear in y it is (32) and (33) of Goryacheva & Tsukanov (2020), doi
-    10.3389/fmech.2020.00045.
+    v is x or, with a period L, tan(pi x/L). With y = m + h cos(theta), the pressure is
+    p = (E*/2)|v| sum g_n sin(n theta). An isolated pair carries the load P = pi E* h g_1/4; for the
+    load with a period see the head of this module. Derived here; for f'/v linear in y the formulas
+    are (32) and (33) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------
@@ -121,9 +118,9 @@ class EvenPair(Pair):
         period: float | None = None,
     ) -> "EvenPair":
         """The pair of zones for a right side G = f'/v that is given as a function `ratio`.
-        It is sampled at Chebyshev nodes.
 
-        The function is singular at y = `limit`, which sets the number of nodes.
+        `ratio` is sampled at Chebyshev nodes. It is singular at y = `limit`; the distance of the
+        zone from this singularity sets the number of nodes.
         """
         values = _values(ratio, middle, half, limit)
         g = dct(values, type=2) / len(values)
@@ -209,9 +206,7 @@ def _values(
 
 
 def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
-    """Middle of the zone in y = v^2 whose pressure is bounded at all ends; None if impossible.
-    The half width `half` of the zone is given.
-
+    """Middle of a zone of half width `half` in y = v^2, with bounded pressure; or None.
     The condition is g_0 = 0 for the mean g_0 of G = f'/v over the angle (head of this module).
     There is no such middle if the zones have met at x = 0, or if y reaches `limit`. g_0 grows with
     the middle: it is negative if the tip lies further out than the zone, and positive if the tip
@@ -323,9 +318,9 @@ class PairRow(Pair):
 class PeriodicBiquadratic(PairRow):
     """Two tips f = (x^2 - c^2)^2/8Rc^2 once in every period, each tip with its own zone.
 
-    This is the exact solution (34) in v = tan(pi x/L). Only the series of G = f'(x(v))/v is not
-    elementary. Derived
-    here, after (34) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+    This is the exact solution in v = tan(pi x/L). Only the series of G = f'(x(v))/v is not
+    elementary. Derived here, after (34) of Goryacheva & Tsukanov (2020), doi
+    10.3389/fmech.2020.00045.
 
     Parameters
     ----------

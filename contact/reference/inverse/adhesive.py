@@ -6,10 +6,10 @@ all zone ends e, written x - e here (see product.py). The function
     X R,   R = M + sum_e q_e/(x - e),
     q_e = +-(2/E*) sqrt(E* w/pi)/sqrt(product of the other factors at e),
 
-is f' - (2/E*)(1/pi) int p/(x - xi) dxi, and f' is its polynomial part. In the gaps it is the slope
-of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial of degree n - 1. With a period it is a
-sum of the n + 1 cosines and sines of pi k x/L, k = n, n - 2, .., and the poles are those of
-`CutProduct.poles`. Linear equations determine M: int X R vanishes over every gap, so that all zones
+equals f' - (2/E*)(1/pi) int p/(x - xi) dxi, and f' is the polynomial part of X R. In the gaps X R
+is the slope of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial of degree n - 1. With a
+period M is a sum of the n + 1 cosines and sines of pi k x/L, k = n, n - 2, .., and the poles
+1/(x - e) are replaced by those of `CutProduct.poles`. Linear equations determine M: int X R vanishes over every gap, so that all zones
 have one approach, and the pressure carries the load. Derived from the general solution of N. I.
 Muskhelishvili, Singular Integral Equations (1953), ch. 11, with its solutions that are unbounded at
 the ends, and the intensity of JKR (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423, doi
@@ -411,22 +411,19 @@ def is_stable(design: AdhesiveDesign) -> bool:
 
 
 def _low_modes(design: AdhesiveDesign, modes: Array) -> Array:
-    """Values of the basis functions of the polynomial T, which are part of those of M (`modes`).
-    T belongs to the field of a moving end (head of this module).
+    """Values (..., n - 1) of the basis functions of the polynomial T (head of this module).
 
-    The array is (..., n - 1). They are the basis functions of M without the highest polynomial, or
-    with a period without the highest cosine and sine.
+    They are the basis functions of M, given as `modes`, without the highest polynomial. With a
+    period, the highest cosine and the highest sine are left out instead.
     """
     return modes[..., :-1] if design.period is None else modes[..., 2:]
 
 
 def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
-    """Coefficients (2n, n - 1) of the polynomial T for a motion of each of the 2n ends.
-    T is part of the field that the motion causes (head of this module).
+    """Coefficients of the polynomial T (head of this module); shape (2n, n - 1).
 
-    They have one row for a unit motion of each end.
-
-    T makes the integral of the field (head of this module) vanish over every gap.
+    Row j belongs to a unit motion of end j, and T is a part of the field that this motion causes. T
+    makes the integral of the field vanish over every gap.
     """
     product, n = design._product, len(design.zones)
     others, m = product.end_factors(), 2 * len(design.zones)

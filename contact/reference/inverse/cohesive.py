@@ -5,8 +5,8 @@ X^2 is the product of z - e over all zone ends e, and p is bounded. The function
 
     X R,   R = M + (2 s/E*)(1/pi) int over the strips of d xi/(X(xi) (z - xi)),
 
-is f' - (2/E*)(1/pi) int p/(z - xi) d xi, and f' is its polynomial part. Outside the zones it is the
-slope of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial. Linear conditions determine all
+is f' - (2/E*)(1/pi) int p/(z - xi) d xi, and f' is the polynomial part of X R. Outside the zones X
+R is the slope of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial. Linear conditions determine all
 its coefficients but the highest: all zones have one approach, and the gap at every end of an
 interval is the reach w/s. The highest coefficient is free and sets the curvature of the body
 outside the zones. Derived from the solution of N. I. Muskhelishvili, Singular Integral Equations
@@ -17,7 +17,7 @@ Next to a strip of width w the integral over this strip is nearly singular. With
 the distances from the zone's end divided by w, and 1/X = h/sqrt(distance), it is
 
     (2/sqrt(w)) [int_0^1 (h(tau) - h(zeta))/(zeta^2 - tau^2) d tau + (h(zeta)/zeta) artanh(zeta or
-    1/zeta)],
+    1/zeta)].
 
 The first part is smooth. The second part times X is 2 artanh(zeta or 1/zeta), whose integral has a
 closed form.
@@ -101,8 +101,9 @@ class CohesiveDesign:
         Highest coefficient of M as a Chebyshev series over the hull of the zones; it sets the
         curvature of the body outside.
     given_load : float or None
-        The load [N/m], or None. A given load adds one coefficient to M. If the body would then fall
-        on one side, it adds two, and the second highest coefficient of M is zero.
+        The load [N/m], or None. A given load adds one coefficient to M. If the profile would then
+        fall to minus infinity on one side, the load adds two, and the second highest coefficient of
+        M is zero.
 
     Attributes
     ----------

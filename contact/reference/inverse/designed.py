@@ -2,17 +2,17 @@
 
 X^2 is the product over all zone ends e of x - e, or of 2 sin(pi (x - e)/L) with a period L. M is a
 product of the same kind with one root in every gap, such that int_gap X M dx = 0. Let f' be the
-polynomial part of X M. Then Phi = (E*/2)(f' - X M) is the Cauchy (Hilbert) transform of
+polynomial part of X M, which is a trigonometric polynomial with a period. Then
+Phi = (E*/2)(f' - X M) is the Cauchy (Hilbert) transform of the pressure p, and
 
-    p = (E*/2)|X M| on the zones,   gap slope = X M between them,   f' a (trigonometric) polynomial.
-
+    p = (E*/2)|X M| on the zones,   gap slope = X M between the zones.
 For n isolated zones M has n - 1 roots, and f is a polynomial of degree 2n. For n zones in a period
 M has n roots, and f is a Fourier series of n harmonics. (X and M are both multiplied by (-1)^n over
 a period, so that X M is periodic; the mean slope vanishes because the gap integrals do.) Derived
 from the general solution (34) of Muskhelishvili, Singular Integral Equations (1953), ch. 11.
 
-All factors are formed from distances to the ends of the point's own zone or gap, so that nothing
-cancels near an end.
+A point x is given by its distances to the two ends of the zone or gap in which it lies. The factors
+of X and M are formed from these distances, so that nothing cancels near an end.
 """
 
 from collections.abc import Callable
@@ -95,7 +95,7 @@ class DesignedProfile(Profile):
 
     @property
     def resolution(self) -> float:
-        """Smallest length over which the profile varies [m]."""
+        """Length over which the profile varies little [m]: hull divided by number of terms."""
         return (self.hull[1] - self.hull[0]) / len(self.slope_series)
 
     @property
@@ -186,7 +186,8 @@ class GivenZones(ExactContact):
     def _on(self, odd: bool, x: ArrayLike, function: Callable[[int, Array, Array], Array]) -> Array:
         """Values of `function` at the points x in gaps (if `odd`) or in zones; 0 at all other x.
 
-        Its arguments are the number of an interval and distances from the ends of this interval.
+        The arguments of `function` are the number of an interval, and the distances of points from
+        the left and the right end of this interval.
         """
         x = np.asarray(x, dtype=float)
         interval, dl, dr = self._product.locate(x)
@@ -260,10 +261,9 @@ class GivenZones(ExactContact):
 
     def _greatest(self, margin: float, samples: int) -> float:
         """Largest pressure [Pa] of all zones.
-        In each zone it is searched at positions cos(phi), with phi at least `margin` away from the
-        ends.
 
-        The position is normalised to [-1, 1]. The angle phi goes from `margin` to pi - `margin`.
+        Each zone is searched at the normalised positions cos(phi) in [-1, 1]. The angle phi goes
+        from `margin` to pi - `margin`.
         """
 
         def peak(zone: int) -> float:

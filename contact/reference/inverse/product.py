@@ -76,7 +76,7 @@ class CutProduct:
     def _sum(self, first: int, last: int) -> Any:
         """Sum of the lengths of the intervals with numbers first ... last - 1.
 
-        If last < first, they go on from interval 0 after the last one.
+        If last < first, the sum runs through the last interval and goes on with interval 0.
         """
         if first <= last:
             return np.sum(self.steps[first:last])

@@ -181,11 +181,12 @@ def random_cohesive_problem(
 ) -> CohesiveDesign:
     """A random isolated problem with an exact solution under Dugdale's law.
 
-    The zones are those of `random_problem`. The cohesive intervals are those where the gap of the
-    frictionless contact with these zones is below the reach. The reach is the median of that gap at
-    a distance from the ends: `strip` times the width of the narrowest zone or gap. The tension
-    begins at `pull` times the mean pressure, and is quartered until the design is admissible. This
-    ends, as the limit of no tension is the frictionless contact, which is admissible.
+    The zones are those of `random_problem`. On the cohesive intervals, the gap of the frictionless
+    contact with these zones is below the reach. The reach is the median of this gap at one point
+    outside each zone end. The distance of this point from the end is `strip` times the width of the
+    narrowest zone or gap. The tension begins at `pull` times the mean pressure, and is quartered
+    until the design is admissible. As the tension tends to zero, the design tends to the
+    frictionless contact, which is admissible.
 
     Parameters
     ----------
@@ -196,7 +197,7 @@ def random_cohesive_problem(
     pull : float
         First value of the tension divided by the mean pressure of the zones.
     strip : float
-        Width of a strip of tension, divided by that of the narrowest zone or gap.
+        Width of a strip of tension, divided by the width of the narrowest zone or gap.
     **shape : float
         E_star, strain, spread, fraction and length of `random_problem`, by name.
 

@@ -1,4 +1,4 @@
-"""Runs each measurement in its own process, on one thread: its peak memory is of one case."""
+"""Runs each measurement in its own process, so that the peak memory belongs to one case."""
 
 from __future__ import annotations
 

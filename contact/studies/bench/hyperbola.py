@@ -82,7 +82,7 @@ class IsolatedBluntedWedge(SymmetricZone):
     @property
     def max_pressure(self) -> float:
         """Pressure at x = `rounding`, which is close to the largest pressure.
-        Errors are divided by it.
+        Errors of the pressure are divided by this value.
         """
         return float(self.pressure_at(self.rounding / self.half_width))
 

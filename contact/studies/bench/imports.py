@@ -29,8 +29,8 @@ _TIMED = (
 
 def seconds(program: str, runs: int = 5) -> float:
     """Least processor time [s] of several runs of a program, each in a new Python interpreter."""
-    # The first run writes the compiled files of the modules, and the later runs read them. So their
-    # writing must not be switched off.
+    # The first run writes the compiled files of the modules, and the later runs read these files.
+    # Therefore the variable that forbids to write compiled files is removed.
     environment = {
         name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"
     }

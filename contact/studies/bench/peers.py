@@ -156,10 +156,10 @@ def _measured(
 
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
-    """Least time of a run that reaches an error.
-    A run does not count if a run on a finer grid misses the error. Without any, it is None.
+    """Least time of the runs that reach an error; None if the run on the finest grid does not.
 
-    The rows go from coarse to fine grids. None if the run on the finest grid has a larger error.
+    The rows go from coarse to fine grids. A run counts only if all runs on finer grids reach the
+    error as well.
     """
     reached = None
     for row in reversed(rows_of_one):

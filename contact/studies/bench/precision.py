@@ -1,7 +1,7 @@
 """Work and precision: errors against processor time, for tolerances 1e-2 to 1e-13.
 
-The localized models run on the same scenes; their error is that of the model, however exactly they
-are solved.
+The localized models run on the same scenes. They are solved accurately, so that their error is the
+error of the model.
 """
 
 from __future__ import annotations

@@ -60,8 +60,9 @@ def line_of_scene(rows: list[Row], scene: str) -> str:
 
 def line_of_size(row: Scaled) -> str:
     """Return a line of text with the time for one size of a series.
-    It is also given in units of the floor, the time for the least work of any solver by direct
-    sums.
+
+    The time is also given in units of the floor, the time of the least work that any solver by
+    direct sums must do.
     """
     floors = f"{row.seconds / row.floor:.3g} times the floor"
     return f"{row.series}, {row.size}: {_time(row.seconds)}, {floors}"
@@ -100,10 +101,9 @@ def precision_table(rows: list[Row], tols: Sequence[float] = (1e-4, 1e-12)) -> T
 
 
 def stated_table(rows: list[Row]) -> Table:
-    """Table that compares stated and true errors.
-    It shows how often the stated error is a bound, and how often it is sharp.
+    """Table that shows how often the stated error is a bound of the true error, and sharp.
 
-    It is sharp if it is at most 100 max(true error, 1e-13).
+    A stated error is sharp if it is at most 100 max(true error, 1e-13).
     """
     mine = [
         (row.error, row.stated)
@@ -175,7 +175,8 @@ def _peers_table(
 
 def _reach(rows: list[Row], error: float, measure: str) -> str:
     """Return, as text, the time in which a method reaches an error.
-    If the error is not reached, it is "more than" the time of the longest run.
+
+    If the error is not reached, the text is "more than" and the time of the longest run.
     """
     if not rows:
         return "did not converge"

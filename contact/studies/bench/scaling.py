@@ -171,9 +171,10 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
 
 def fitted(rows: list[Scaled]) -> list[Scaled]:
     """Return the rows from which the exponent of a power law is fitted.
-    They are those of the larger half of the sizes, but at least three.
 
-    If there are three rows with the same kind of sums as the largest size, all others are left out.
+    The rows belong to the larger half of the sizes; there are at least three. If at least three
+    rows have the same kind of sums (fast or by a matrix) as the largest size, all other rows are
+    left out first.
     """
     same = [row for row in rows if row.fast == rows[-1].fast]
     same = same if len(same) >= 3 else rows

@@ -1,4 +1,4 @@
-"""Adhesion close to pull-off and to the jump into full contact, and at all works."""
+"""Adhesion close to pull-off and to the jump into full contact, and weak to strong adhesion."""
 
 from __future__ import annotations
 
@@ -121,10 +121,10 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
 
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
     """Condition number of ends and pressures with respect to the load or the attribute `by`.
-    It is their relative change per relative change of this number.
 
-    It is the relative change of the result, divided by that of the load or attribute, 1e-3 `part`.
-    `part` is the relative distance of the load from a turning point.
+    The load or attribute is changed by 1e-3 `part`, relative to its value. The relative change of
+    the ends or pressures, whichever is larger, is divided by this number. `part` is the relative
+    distance of the load from a turning point.
     """
     change = 1e-3 * part
     other = curve if by == "load" else replace(curve, **{by: getattr(curve, by) * (1 + change)})

@@ -19,8 +19,9 @@ class Extreme:
     pressure relative to the peak, and the ends relative to the widths. The data are the load, and
     the slopes relative to the steepest one. `why` says how the bound is known. The allowed error is
     100 round-offs times the condition. `hair` is the width of the narrowest gap relative to its
-    zone. If the allowed error is larger, contacts with and without this gap both count as right.
-    `heavy` scenes take more than about a second. `known` is the reason of a known failure.
+    zone, or the pressure of the smallest zone relative to the peak. If the allowed error is larger
+    than `hair`, contacts with and without this gap or zone both count as right. `heavy` scenes take
+    more than about a second. `known` is the reason of a known failure.
     """
 
     group: str

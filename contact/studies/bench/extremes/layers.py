@@ -163,8 +163,8 @@ def layers() -> Iterator[Extreme]:
     """Extreme scenes on layers, with the kernel coth in closed form, and on elastic layers.
 
     For the kernel coth, d ln(load)/d ln(half width) = 2V coth V (head of this module) is at least
-    2. The steepest slope is sinh(2V). At a half width of 30 thicknesses it is 1e40, too steep for
-    double precision.
+    2. The steepest slope is sinh(2V). At a half width of 30 thicknesses this slope is 1e40, too
+    steep for double precision.
     """
     for ratio in (0.01, 0.1, 1.0, 3.0, 10.0):
         yield Extreme(
