@@ -247,8 +247,8 @@ def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[
     """The point of a solution on the load curve, with the names and units of the axes.
 
     Returns (abscissa, ordinate, (name, unit) of the abscissa, (name, unit) of the ordinate). The
-    abscissa is the approach, or the width in contact if there is no approach. The ordinate is
-    the mean pressure, or the load without a period.
+    abscissa is the approach, or the width in contact if there is no approach. The ordinate is the
+    mean pressure, or the load without a period.
     """
     up = (
         (solution.load, ("load", "N/m"))

@@ -8,9 +8,8 @@ second. A mechanism is switched off by replacing a function, a class attribute o
 options, in a process of its own. For each mechanism the table has the number of scenes that are
 lost, the number of scenes whose answer changes by more than the sum of both stated errors, and the
 processor time relative to the run with everything on. If the object to be replaced does not exist,
-an error is raised. `--ordinary` leaves out
-the extreme scenes, which take most of the time. `python -m contact.studies.pages DIR` sets
-DIR/ablation.md in docs/ablation.md.
+an error is raised. `--ordinary` leaves out the extreme scenes, which take most of the time. `python
+-m contact.studies.pages DIR` sets DIR/ablation.md in docs/ablation.md.
 """
 
 from __future__ import annotations

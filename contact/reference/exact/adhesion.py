@@ -2,10 +2,10 @@
 
 The pressure of an adhesive state is the pressure of the frictionless zone of the same half width,
 minus the pressure of flat punches whose displacement is constant in the zone. The equilibria at a
-fixed work of adhesion form a curve. With M the compliance of the machine that loads the body (0: prescribed approach, inf:
-prescribed load), an equilibrium is stable if approach + M load grows along the curve as the contact
-grows; stability changes at turning points (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
-doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
+fixed work of adhesion form a curve. With M the compliance of the machine that loads the body (0:
+prescribed approach, inf: prescribed load), an equilibrium is stable if approach + M load grows
+along the curve as the contact grows; stability changes at turning points (K. L. Johnson, Int. J.
+Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
 """
 
 from dataclasses import dataclass

@@ -20,10 +20,10 @@ and r. With u = pi x/L, A = pi a/L, C = pi c/L,
 Here p_0, g_0 and d_0 are the pressure, gap and approach of the frictionless zone of half width a,
 and P_0 its load, so that P = P_0 - 2 s B. K is the compliance of the flat punch of half width a. In
 the integral, K belongs to the punch that is added in the step dB; its half width lies between a and
-c. The artanh is taken of X or of 1/X, whichever is below 1. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
-10.1016/0021-9797(92)90285-T; cylinder: J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997)
-393-406, derived again; periodic wave: derived here. When c reaches L/2 the tension acts on the
-whole gap: the state is then the frictionless zone under a uniform tension.
+c. The artanh is taken of X or of 1/X, whichever is below 1. D. Maugis, J. Colloid Interface Sci.
+150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; cylinder: J. M. Baney & C.-Y. Hui, J. Adhes.
+Sci. Technol. 11 (1997) 393-406, derived again; periodic wave: derived here. When c reaches L/2 the
+tension acts on the whole gap: the state is then the frictionless zone under a uniform tension.
 """
 
 from collections.abc import Callable
@@ -68,11 +68,11 @@ class _DugdaleState(AdhesiveZone):
 class DugdaleZone(_DugdaleState):
     """Maugis-Dugdale adhesion of one zone |x| <= a, with the tension s on a < |x| < c.
 
-    The pressure is bounded at the ends; the work of adhesion is the stress times the gap at c.
-    With the pressure p_0 and the load P_0 of the frictionless zone, the isolated zone has
-    p = p_0 - (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2))) and P = P_0 - 2 s sqrt(c^2 - a^2). For
-    the formulas with a period see the head of this module. Energies are in `AdhesiveZone`, fields
-    in `SymmetricZone`. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
+    The pressure is bounded at the ends; the work of adhesion is the stress times the gap at c. With
+    the pressure p_0 and the load P_0 of the frictionless zone, the isolated zone has
+    p = p_0 - (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2))) and P = P_0 - 2 s sqrt(c^2 - a^2). The
+    formulas with a period are at the head of this module. Energies are in `AdhesiveZone`, fields in
+    `SymmetricZone`. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi
     10.1016/0021-9797(92)90285-T; in the plane J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11
     (1997) 393-406, derived again.
 
@@ -501,9 +501,9 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
     gap at c = 2 Delta (sin C sqrt(sin^2 C - sin^2 A) - sin^2 A arcosh(sin C/sin A))
                + (4s/pi E*) int_a^c artanh X dx = w/s;
 
-    once the intervals have met, the mean pressure is p* sin^2 A - s. Full contact opens at the mean pressure
-    p* - s, at which the traction in the valley is -s. Derived here, after D. Maugis, J. Colloid
-    Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T.
+    once the intervals have met, the mean pressure is p* sin^2 A - s. Full contact opens at the mean
+    pressure p* - s, at which the traction in the valley is -s. Derived here, after D. Maugis, J.
+    Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T.
 
     Parameters
     ----------

@@ -2,11 +2,10 @@
 
 The moment is M = int p x dx. e = M/P is the centre of the load. The tilted flat punch in full
 contact is that of N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics
-(1985), sec. 2.8. If this pressure would be negative at an end, that end lifts off, and the
-pressure is bounded there. A tilt only moves the zone of a parabola. A tilted wedge has unequal
-slopes. The pressure under the wedge is bounded at both ends if the tip is at
-x = middle + w cos phi, with the half width w and cos phi = -sin(pi tilt/2 slope). All but the punch
-in full contact is derived here.
+(1985), sec. 2.8. If this pressure would be negative at an end, that end lifts off, and the pressure
+is bounded there. A tilt only moves the zone of a parabola. A tilted wedge has unequal slopes. The
+pressure under the wedge is bounded at both ends if the tip is at x = middle + w cos phi, with the
+half width w and cos phi = -sin(pi tilt/2 slope). All but the punch in full contact is derived here.
 """
 
 from dataclasses import dataclass

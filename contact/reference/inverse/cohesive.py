@@ -5,13 +5,13 @@ X^2 is the product of z - e over all zone ends e, and p is bounded. The function
 
     X R,   R = M + (2 s/E*)(1/pi) int over the strips of d xi/(X(xi) (z - xi)),
 
-is f' - (2/E*)(1/pi) int p/(z - xi) d xi, and f' is the polynomial part of X R. Outside the zones X
-R is the slope of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial. Linear conditions determine all
-its coefficients but the highest: all zones have one approach, and the gap at every end of an
-interval is the reach w/s. The highest coefficient is free and sets the curvature of the body
-outside the zones. Derived from the solution of N. I. Muskhelishvili, Singular Integral Equations
-(1953), ch. 11, that is bounded at the ends, and the tension of D. S. Dugdale, J. Mech. Phys. Solids
-8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
+is f' - (2/E*)(1/pi) int p/(z - xi) d xi, and f' is the polynomial part of X R. Outside the zones
+X R is the slope of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial. Linear conditions
+determine all its coefficients but the highest: all zones have one approach, and the gap at every
+end of an interval is the reach w/s. The highest coefficient is free and sets the curvature of the
+body outside the zones. Derived from the solution of N. I. Muskhelishvili, Singular Integral
+Equations (1953), ch. 11, that is bounded at the ends, and the tension of D. S. Dugdale, J. Mech.
+Phys. Solids 8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
 
 Next to a strip of width w the integral over this strip is nearly singular. With zeta^2 and tau^2
 the distances from the zone's end divided by w, and 1/X = h/sqrt(distance), it is

@@ -4,9 +4,10 @@
 
 The cases are rows of 500 and 2,000 intervals of different widths and gaps. A case has one of the
 following: bounded right ends (as at the trailing edges of aerofoils), side conditions or kernels of
-a user's own, columns without declared modes, or prescribed intensities at the ends. Each case runs in a process of its own, on one thread. A remark gives the exponents of
-time as a power of the number of intervals. `python -m contact.studies.pages DIR` sets
-DIR/many-intervals.md in docs/measured-engine.md.
+a user's own, columns without declared modes, or prescribed intensities at the ends. Each case runs
+in a process of its own, on one thread. A remark gives the exponents of time as a power of the
+number of intervals. `python -m contact.studies.pages DIR` sets DIR/many-intervals.md in
+docs/measured-engine.md.
 """
 
 from __future__ import annotations
