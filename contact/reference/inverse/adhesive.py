@@ -10,10 +10,10 @@ equals f' - (2/E*)(1/pi) int p/(x - xi) dxi, and f' is the polynomial part of X 
 is the slope of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial of degree n - 1. With a
 period M is a sum of the n + 1 cosines and sines of pi k x/L, k = n, n - 2, .., and the poles
 1/(x - e) are replaced by those of `CutProduct.poles`. Linear equations determine M: int X R
-vanishes over every gap, so that all zones have one approach, and the pressure carries the load. Derived from the
-general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11, with its
-solutions that are unbounded at the ends, and the intensity of JKR (K. L. Johnson, Int. J. Solids
-Struct. 32 (1995) 423, doi 10.1016/0020-7683(94)00111-9).
+vanishes over every gap, so that all zones have one approach, and the pressure carries the load.
+Derived from the general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch.
+11, with its solutions that are unbounded at the ends, and the intensity of JKR (K. L. Johnson, Int.
+J. Solids Struct. 32 (1995) 423, doi 10.1016/0020-7683(94)00111-9).
 
 Local stability at prescribed load follows from the second variation of the energy by the outward
 movements s_i of the ends. An end that moves outward changes the energy at the rate G_i - w, where
