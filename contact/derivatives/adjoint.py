@@ -77,7 +77,7 @@ class Functional:
         return np.array([tip, place]), np.array([self.tip, 0.0]), np.array([0.0, factor])
 
     def plus(self, other: Functional, factor: float) -> Functional:
-        """This functional plus `factor` times `other`, which must have no pressure as a part."""
+        """This functional plus `factor` times `other`, without a `peak`, `slope` or `inside`."""
         return replace(
             self,
             ends=self.ends + factor * other.ends,
@@ -298,7 +298,7 @@ class _Adjoint:
             degree *= 2
 
     def _regular(self, x: Array) -> Array:
-        """Field of all sources at x (n,) by the kernel without its poles (its regular part)."""
+        """Field of all sources at x (n,) with the kernel's regular part, that is, without poles."""
         regular = self.problem.kernel.regular
         assert regular is not None
         xi, weight = self._spread

@@ -170,7 +170,7 @@ class Functionals(sie.Kept):
 
     @cached_property
     def _control(self) -> tuple[Functional, float, float] | None:
-        """(functional of the controlled quantity, its derivative by the load, error of this).
+        """(functional of the controlled quantity, its derivative by the load, error of that).
 
         None if the load is given.
         """

@@ -3,7 +3,8 @@
 At pull-off the load P is least along the branch: some motion x of the ends leaves the intensities
 as they are, M x = 0, with the derivatives M of intensities by motions. Let y M = 0. If the profile
 changes, the intensities on the present zones change by k_f, and by k_P for a unit of load. The ends
-can restore them only if y (k_f + k_P dP) = 0, which is the change dP of the pull-off load.
+can restore the intensities only if y (k_f + k_P dP) = 0. This gives the change dP of the pull-off
+load.
 """
 
 from __future__ import annotations

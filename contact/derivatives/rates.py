@@ -8,7 +8,7 @@ free end p ~ A d^(1/2), but p' ~ k d^(-1/2) is singular: the end moves outward a
 If the gaps are the unknowns, the same holds for the slope of the gap. In full contact
 p' = pbar' - (E*/2) R', with the mean pressure pbar and the relief R' of f'.
 
-With edge intensities that a law prescribes, p' also has terms d^(-3/2) that keep them
+With edge intensities that a law prescribes, p' also has terms d^(-3/2) that keep these intensities
 (`sie.Solution.derivative`).
 """
 
@@ -105,7 +105,7 @@ def rate_of(fields: Fields, direction: Profile, load: float, moment: float = 0.0
 
 @record
 class RateFields(ZoneFields):
-    """The pressure and the displacement that are the derivatives of those of a contact."""
+    """The derivatives of the pressure and the displacement of a contact, as fields of their own."""
 
     @cached_property
     def levels(self) -> Array:

@@ -63,7 +63,7 @@ def found(context: SolveContext) -> Outcome:
 def _says_more(later: Exception, first: Exception | None) -> bool:
     """Whether the error `later` replaces `first`: only if it states that no contact exists.
 
-    It does not replace the error `LevelOfFullGrid`: the given approach is that of full contact.
+    It never replaces `LevelOfFullGrid`, which says that the given approach is that of full contact.
     """
     return isinstance(later, OutOfRange) and not isinstance(first, LevelOfFullGrid)
 

@@ -78,8 +78,8 @@ class Value:
 class Birth:
     """The birth of a zone: a minimum of the gap, computed without the new zone, falls to zero.
 
-    place: scaled place of the minimum. reach: distance from it within which the minimum is sought.
-    at: predicted ln(load). known: the condition where it is known, see `Value`.
+    place: scaled place of the minimum. reach: distance from this place within which the minimum is
+    sought. at: predicted ln(load). known: the condition where it is known, see `Value`.
     """
 
     place: float

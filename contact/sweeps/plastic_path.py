@@ -118,7 +118,7 @@ class PlasticPath(PathSearch):
 
 
 def bearing(scene: Scene) -> float:
-    """The load [N/m] at which all of the surface is one plateau; inf if it has no end."""
+    """The load [N/m] at which all of the surface is one plateau; inf for an endless one."""
     return scene.law.pressure_range.highest * bearing_width(scene)
 
 

@@ -16,9 +16,10 @@ the potential of a density with the Chebyshev coefficients c_l = -2 l (finite pa
 coefficients, give the effect of S on the other zones, and one solve with the LU factors gives the
 response.
 
-A motion d of the right end of a zone of half width w adds s S with s = -K d / (sqrt(2) w^(3/2)).
-This acts on all other zones like the coefficients -2 l s. It changes the level of its own zone by
--w s, and contributes to the intensities at both ends of its own zone.
+A motion d of the right end of a zone of half width w adds q S with the strength
+q = -K d / (sqrt(2) w^(3/2)). The term q S acts on all other zones like the coefficients -2 l q. It
+changes the level of its own zone by -w q, and contributes to the intensities at both ends of this
+zone.
 
 For very many ends with prescribed intensities the matrix of the derivatives dK/ds would be too
 large. The unknowns y of the response and the motions d of all ends are found together, from

@@ -3,8 +3,9 @@
 The density of total P that makes the potential (1/pi) int phi log|x - xi| the constant V on a set
 has pi V / P = log(capacity): the equilibrium problem (T. Ransford, Potential Theory in the Complex
 Plane, Cambridge 1995, chapter 5). Hilbert's kernel has the potential log|2 sin(pi (x - xi) / L)|.
-Rolled onto a circle of circumference L, the points x and xi have the distance (L / pi) |sin|. So
-the capacity of the arcs is L / (2 pi) exp(pi V / P).
+If the line is rolled onto a circle of circumference L, the points x and xi have L / (2 pi) times
+the argument of this logarithm as their distance. So the capacity of the arcs is
+L / (2 pi) exp(pi V / P).
 """
 
 import math

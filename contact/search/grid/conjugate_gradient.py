@@ -4,7 +4,7 @@ On n points with spacing h (one period, or a window of an isolated contact) find
 
     p >= 0,   gap = S p + f - level >= 0,   p * gap = 0,   sum p h = load  (or a given level),
 
-where the operator S gives the displacement u = S p,
+where the operator S gives the displacement u = S p, with the Fourier coefficients u_k and p_k,
 
     periodic:  u_k = 2 p_k / (E |k|), k = 2 pi j / (n h), u_0 = 0,
     isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell.
@@ -21,7 +21,8 @@ so that the number of iterations does not grow with n:
   points that interpenetrate are added. The inverse of S is an M-matrix (its off-diagonals are
   (cos(pi m) - 1) / m^2 <= 0), for which this semismooth Newton iteration converges from any start:
   Hintermueller, Ito & Kunisch (2002), SIAM J. Optim. 13, 865-888, doi 10.1137/S1052623401383558. A
-  wrong end moves by a fixed fraction of its error, so that about log2(n) solves suffice.
+  wrong end of the contact moves in each solve by a fixed fraction of its error, so that about
+  log2(n) solves suffice.
 * On a contact set the gradient is preconditioned by B' D B. D = E|k|/2, and B interpolates the
   displacement linearly across the gaps. The exact inverse of S has the same form, with the
   extension of least energy in place of B. Therefore the condition number is bounded, up to
@@ -459,10 +460,10 @@ class _Run:
                 tol = finer
                 continue
             gap = u + self.shape - level
-            # All points with negative pressure leave the contact, even if the pressure is smaller
-            # than `error`, its largest error on the grid. This error is set by the steepest peaks.
-            # If `error` were the limit, a zone end in a flat region would move by only one cell per
-            # solve.
+            # All points with negative pressure leave the contact, even if the pressure is closer to
+            # zero than `error`, the largest error of the pressure on the grid. This error is set by
+            # the steepest peaks. If -`error` were the limit, a zone end in a flat region would move
+            # by only one cell per solve.
             drop = mask & (p < 0.0)
             error_of_gap = error * self.influence.h / self.influence.E
             add = self.allowed & ~mask & ~capped & (gap < -error_of_gap)

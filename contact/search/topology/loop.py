@@ -40,8 +40,7 @@ class RoughRoundOptions:
     A round is Newton's method for the ends, and a check of the signs of pressure and gap.
 
     The first guess of so many intervals rarely has the right number of them. Rough rounds correct
-    most of the wrong ones at a fraction of the cost. Their tolerance is that of all rough
-    solutions.
+    most of the wrong intervals at a fraction of the cost. Their tolerance is `SearchOptions.rough`.
     """
 
     # A rough round costs little even if the number of intervals is right, as the next round begins
