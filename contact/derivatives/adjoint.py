@@ -77,7 +77,7 @@ class Functional:
         return np.array([tip, place]), np.array([self.tip, 0.0]), np.array([0.0, factor])
 
     def plus(self, other: Functional, factor: float) -> Functional:
-        """This functional plus `factor` times `other`, without a `peak`, `slope` or `inside`."""
+        """This functional plus `factor` times `other`, which has no peak, slope or inside."""
         return replace(
             self,
             ends=self.ends + factor * other.ends,
