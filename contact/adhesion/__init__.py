@@ -4,7 +4,8 @@ Contact with adhesion has several equilibria under one load. The unknowns are th
 intervals. The residual r(s, value) of an end says how strongly it is driven outward under a value
 of the control. J = dr/ds is its Jacobian.
 
-    curve.py             `State`: intervals, r, J, load, level; `Curve`: the states of a problem
+    curve.py             `State`: intervals, r, J, load, level (minus the approach);
+                         `Curve`: the states of a problem
     gradient_flow.py     from given intervals to an equilibrium, at a fixed value of the control
     energy_descent.py    from intervals to an equilibrium where ends may drive each other back
     nucleation.py        zones that begin at first touch, or by overlap
@@ -18,14 +19,16 @@ of the control. J = dr/ds is its Jacobian.
 
 Two kinds of law differ in the meaning of the intervals and in the residual of their ends:
 
-    edge intensity (JKR)      `Curve`: the intervals are the zones of contact, r = 1 - K/K*
-    cohesive zone (Dugdale)   `CohesiveCurve`: the intervals are where the gap is below the reach,
-                              r = 1 - gap/reach; the contact inside them is frictionless
+    edge intensity (JKR)      `Curve`: the intervals are the zones of contact; r = 1 - K/K*, with
+                              the edge intensity K of the pressure and the law's intensity K*
+    cohesive zone (Dugdale)   `CohesiveCurve`: the intervals are where the gap is below the reach
+                              of the tension; r = 1 - gap/reach; the contact inside the intervals
+                              is frictionless
 
 The arc-length follower and the loading path work on a `Curve` and its `Events` and do not depend on
 the law. Files that begin with `cohesive_` hold what differs: a loop of the gradient flow in which
-the intervals change (cohesive_flow.py); events at which zones inside the intervals change smoothly
-(cohesive_events.py, derived from `Events`); and a pull-off at which the last zone may shrink to a
-point (cohesive_pull_off.py, which uses pull_off.py). The tension itself is in uniform_tension.py
-and the deformed surface under it in deformed_profile.py.
+intervals begin, merge and are cut (cohesive_flow.py); events at which zones inside the intervals
+change smoothly (cohesive_events.py, derived from `Events`); and a pull-off at which the last zone
+may shrink to a point (cohesive_pull_off.py, which uses pull_off.py). The tension itself is in
+uniform_tension.py, and the surface that it deforms in deformed_profile.py.
 """

@@ -2,9 +2,9 @@
 
 At a turning point J = dr/ds has a zero eigenvalue and the control has an extreme along the arc.
 
-Where an end reaches a sharp corner, or a pinned end is no longer driven, the curve has a kink. A
-step ends there, and the next one begins with that end pinned, or free. If it is free but
-unstable, it jumps off the corner, and the curve ends.
+The curve has a kink where an end reaches a sharp corner, or where an end pinned at a corner is no
+longer driven outward. A step ends there, and the next step begins with that end pinned, or free. If
+the state with the free end is unstable, the end jumps off the corner, and the curve ends.
 """
 
 from collections.abc import Iterator
@@ -75,9 +75,9 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
 
 
 def _tried(curve: Curve, place: CurvePoint, length: float, tight: bool) -> Step | None:
-    """A step of this length, or up to the sharp corner that an end reaches before.
+    """A step of this length, or a shorter step to the first sharp corner that an end reaches.
 
-    None if Newton's method does not find its end.
+    None if Newton's method does not find the equilibrium after the step.
     """
     reached = corner_within(curve, place, length)
     if reached is None:
@@ -91,7 +91,7 @@ def _tried(curve: Curve, place: CurvePoint, length: float, tight: bool) -> Step 
 
 
 def _next_length(step: Step, length: float) -> float:
-    """Length of the step after `step`, which was sought at the given length.
+    """Length of the step that follows `step`; length: that with which `step` was tried.
     In the next step, the tangent of the curve is expected to turn by half of the largest angle.
     """
     aimed = 0.5 * ARC_OPTIONS.longest_step

@@ -1,4 +1,4 @@
-"""Steps along a curve of equilibria; a step ends where an end reaches or leaves a sharp corner."""
+"""Steps along a curve of equilibria; a step stops where an end reaches or leaves a sharp corner."""
 
 from collections.abc import Callable
 from dataclasses import field, replace
@@ -19,9 +19,9 @@ from sie import Array, record
 class Step:
     """A step along the curve of equilibria, from one equilibrium to another equilibrium.
 
-    after: the equilibrium at its end with other ends pinned, from which the next step begins;
-    None if the same ends are pinned. known: the equilibria inside the step by their length, and
-    whether they were solved to full accuracy.
+    after: the equilibrium `end` with other ends of intervals pinned, from which the next step
+    begins; None if the same ends are pinned. known: maps arc lengths inside the step to pairs of
+    the equilibrium there and whether it was solved to full accuracy.
     """
 
     curve: Curve

@@ -3,14 +3,14 @@
 The unknown intervals are those where the gap is below the reach of the tension.
 
     advancing    starts from the intervals of the contact without adhesion, or of the surfaces at
-                 first touch: new intervals begin where the gap falls below the reach, those that
-                 meet merge. Under a negative load, or below first touch, the contact first advances
-                 under no load, and recedes from there
-    receding     starts from an interval so wide that its ends are driven inward; with a period from
-                 tension everywhere
+                 first touch: new intervals begin where the gap falls below the reach, and intervals
+                 that meet merge. Under a negative load, or below first touch, the contact first
+                 advances under no load, and recedes from there
+    receding     starts from an interval so wide that its ends are driven inward, or, with a period,
+                 from tension everywhere
 
-A uniform tension everywhere does not deform a half-plane: that contact is the one without
-adhesion, with the tension added to the load.
+A uniform tension everywhere does not deform a half-plane. So the contact under it is a contact
+without adhesion, whose load is larger by the force of the tension.
 """
 
 from __future__ import annotations
@@ -109,8 +109,9 @@ def _greatest(
 ) -> State | None:
     """The contact on the receding branch (reached from a larger contact) at a control value.
 
-    Below first touch, the contact is first found at an approach at which tension acts everywhere.
-    From there the approach is lowered.
+    Below the first touch of a periodic profile, a contact is first found at a positive approach:
+    the first of several falling trial values at which the tension does not act everywhere. From
+    there the approach is lowered.
     """
     if curve.problem.round is None:
         return _receded(context, scaled, curve, value)
@@ -251,7 +252,7 @@ def _sampled_farther(
     The reach is the largest gap at which the tension acts. The samples of a body with a period or
     with sharp corners are unchanged.
 
-    Under a light load these places are far from the contact.
+    Under a light load the gap exceeds the reach only far from the contact.
     """
     problem, (x, gap) = curve.problem, gap_samples
     if problem.round is not None or np.isfinite(problem.corners[0]):
@@ -363,7 +364,7 @@ def _driven_inward_about(curve: CohesiveCurve, here: CohesiveState, value: float
 def _receded_from_all(context: SolveContext, curve: CohesiveCurve, value: float) -> State | None:
     """The equilibrium that the intervals of tension reach by receding from the whole period.
 
-    None if contact is lost. Raises Closed where the gap stays below the reach.
+    None if contact is lost. Raises Closed if the gap stays below the reach on the whole period.
     """
     problem = curve.problem
     try:
@@ -442,7 +443,7 @@ def _solved_zones(
 ) -> tuple[CohesiveFields, sie.Free, Load]:
     """(fields, result of the search for the ends, control) of zones under a tension.
 
-    load: the integral of the contact pressure q.
+    load: the integral of the contact pressure q, which is the pressure plus the tension.
     """
     if pulled.pulling.spread != (None, None):
         return _solved_at_corners(pulled, load - pulled.pulling.total, zones)

@@ -1,7 +1,8 @@
 """The certificate of a contact under a tension: its frictionless part, reach and stability.
 
-The pressure p >= -s inside the zones means q = p + s >= 0. The certificate of the frictionless part
-tests that, overlaps and the balance of the load of q.
+Inside the zones, the pressure p is at least minus the tension s, so that q = p + s >= 0. The
+certificate of the frictionless part tests the sign of q, the overlaps, and the balance of the load
+that q carries.
 """
 
 from dataclasses import replace
@@ -125,8 +126,8 @@ def _on_wrong_side(curve: CohesiveCurve, here: CohesiveState, rounding: float) -
 def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> float:
     """Bound of the solution's error caused by errors of the ends of the tension.
 
-    It is the larger of the error of the ends, relative to their intervals or zones, and of the
-    error of the pressure.
+    It is the larger of two errors: that of the ends of the tension, divided by the width of their
+    intervals; and the one that these ends cause in the ends of the zones and in the pressure.
     """
     assert here.q is not None
     rounding = here.q.gap_rounding / TOLERANCES.rounding_margin / curve.reach
@@ -166,8 +167,8 @@ def _steepness(density: AnyDensity) -> Array:
 def rounded_load(fields: CohesiveFields) -> float:
     """Relative error of the zones' ends due to round-off of the load, under tension everywhere.
 
-    The load of q = p + s is the sum of the tension's force and the given load, which may nearly
-    cancel.
+    The load of q, which is the pressure plus the tension, is the sum of the tension's force and the
+    given load. The two may nearly cancel.
     """
     total, pull = fields.density.total, fields.tension.total
     rounding = 2 * np.finfo(np.float64).eps * (abs(total - pull) + pull) / total

@@ -1,11 +1,11 @@
 """The events of a curve of equilibria under a tension of finite range.
 
 The ends that jump are those of the intervals of tension. An interval begins where the gap falls
-below the reach, and is cut where the gap exceeds it; either takes a finite width at once. Inside
-the intervals the contact is frictionless: zones begin, merge, split and vanish without a jump,
-where a pressure or a gap is zero. Under tension in all of a period no end is free, and the contact
-is followed along the values of the control. Closed surfaces open there where their tension reaches
-the stress of the law.
+below the reach, and is cut where the gap exceeds the reach. A new interval, like a cut, has a
+finite width at once. Inside the intervals the contact is frictionless: zones begin, merge, split
+and vanish without a jump, where a pressure or a gap is zero. Under tension in all of a period no
+end is free, and the contact is followed along the values of the control. Closed surfaces open where
+their tension reaches the stress of the law.
 """
 
 from collections.abc import Callable, Iterator
@@ -187,7 +187,7 @@ class CohesiveEvents(Events):
     def vanishing(self, here: State, sense: float) -> Jump | None:
         """The event at which a contact zone shrinks to a point; None if no zone does.
 
-        The event lies at the end of a curve.
+        The curve of equilibria ends at this event.
         """
         curve = self.curve
         assert isinstance(here, CohesiveState)
@@ -338,8 +338,10 @@ class CohesiveEvents(Events):
     ) -> Iterator[Jump]:
         """Generate the jumps at which zones begin, merge, split or vanish between two states.
 
-        states_from: the states ahead of one state, or behind it, with the same zones. least:
-        smallest range that is halved if several zones change in it; by default a small part.
+        low, high: pairs of a position on the path and the state there; at: the state at a position.
+        states_from: yields functions from a fraction of the way to the state ahead of a given state
+        (or behind it) with as many zones. least: smallest range of positions that is halved if
+        several zones change in it; by default a small part of the range from low to high.
         """
         found = changes_between(low[1], high[1], self.curve.problem.round)
         if not found:
@@ -487,7 +489,7 @@ class CohesiveEvents(Events):
     def _let_go(self, here: CohesiveState, new: CohesiveState) -> Jump | None:
         """The jump where, as the control falls, the gap first exceeds the reach of the tension.
 
-        None if it does not.
+        None if the gap does not exceed the reach between the states `here` and `new`.
         """
         curve, period = self.curve, self.curve.problem.round
         (x, gap) = new.gap_samples

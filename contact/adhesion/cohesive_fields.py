@@ -1,4 +1,4 @@
-"""Fields of a contact under a cohesive law in SI units, computed from q = p + s."""
+"""Fields of a contact under a cohesive law in SI units, from q: pressure plus tension."""
 
 from functools import cached_property
 
@@ -166,10 +166,10 @@ def fields_of(curve: CohesiveCurve, here: State) -> CohesiveFields | SeparatedFi
 
 
 def scaled_second_variation(here: CohesiveState) -> Array:
-    """Scaled Hessian of the energy by outward displacements s of the tension's free ends.
+    """Scaled second derivatives of the energy with respect to the tension's free ends.
 
-    It is d^2 energy/ds_i ds_j times the square roots of the widths of both intervals, divided by
-    twice the work of adhesion w.
+    s_i is the outward displacement of end i. The entry for ends i and j is d^2 energy/ds_i ds_j
+    times the square roots of the widths of their intervals, divided by twice the work of adhesion.
     """
     free = ~here.pinned
     root = np.sqrt(here.widths[free])

@@ -1,10 +1,10 @@
 """The gradient flow of the ends of a tension (contact.adhesion.cohesive_zone).
 
 Intervals of tension whose ends are driven outward advance; those driven inward recede. The steps
-are those of contact.adhesion.gradient_flow. What differs is the set of intervals. A new one
-begins where the gap falls below the reach. Two become one where the gap is below the reach all
-the way between them. One is cut where the gap exceeds the reach. Contact is lost where the
-total load of contact and tension no longer presses the surfaces together.
+are those of contact.adhesion.gradient_flow. In addition, the set of intervals changes. A new
+interval begins where the gap falls below the reach. Two intervals become one where the gap is below
+the reach all the way between them. An interval is cut where the gap exceeds the reach. Contact is
+lost where the total load of contact and tension no longer presses the surfaces together.
 """
 
 import numpy as np
@@ -111,9 +111,9 @@ def guided(
 ) -> CohesiveState | None:
     """A state near equilibrium, found on a grid; its ends all tend to move in one direction.
 
-    The ends are driven outward for sign 1, inward for sign -1. None where the grid is too coarse:
-    its error shows in the residuals, and must be below the margin. table: None for tension in all
-    of a period.
+    The ends are driven outward for sign 1, inward for sign -1. None if the grid is too coarse: the
+    residuals show the error of the grid, which must be below the margin. table: None for tension in
+    all of a period.
     """
     for margin in MOVES.margins:
         try:

@@ -1,9 +1,10 @@
 """Rates of a state under a cohesive law: derivatives by the ends of the intervals of tension.
 
-The residual of an end c is r = 1 - gap(c)/h. Its derivatives include the motion of the zones.
-Moving an end of the tension adds a point source at c. To first order the response is the density of
-fixed zones with singular ends. Its intensities K move the ends of the zones by 2 K/A, with the edge
-slope A of the pressure.
+The residual of an end at c is r = 1 - gap(c)/h, with the reach h of the tension. The derivatives of
+r include the motion of the zones. Moving an end of the tension adds a point source at c. To first
+order, the contact pressure changes by the density that this source causes on fixed zones with
+singular ends. At the distance d from the end of a zone, this density is K/sqrt(d), and the contact
+pressure is A sqrt(d). So the end of the zone moves by 2 K/A.
 """
 
 from typing import NamedTuple
@@ -18,10 +19,12 @@ from sie import Array, Mask
 
 
 class EndRates(NamedTuple):
-    """Derivatives by the 2n ends of the tension and by the value of the control.
+    """Derivatives with respect to the 2n ends of the tension and the value of the control.
 
-    residual (2n, 2n), by_value (2n,): of the residuals, by the ends and by the value. zones
-    (2Z, 2n + 1), level (2n + 1,): of the ends of the Z zones and of the level, by both.
+    residual (2n, 2n): derivatives of the residuals with respect to the ends. by_value (2n,): those
+    of the residuals with respect to the value. zones (2Z, 2n + 1): those of the ends of the Z
+    zones; level (2n + 1,): those of the level (minus the approach). In both, the last column
+    belongs to the value and the others to the ends.
     """
 
     residual: Array
@@ -72,7 +75,10 @@ def contact_rates(
 def _answers(
     pulled: TractionLoaded, state: sie.State, control: Control, free: Array
 ) -> sie.Answers:
-    """Responses of the contact pressure to motions of the ends `free` and to the control."""
+    """Responses of the contact pressure to motions of ends of the tension, and to the control.
+
+    free: positions of the ends of the tension that move.
+    """
     stress = pulled.pulling.stress
     strengths = np.hstack((stress * np.eye(len(free)), np.zeros((len(free), 1))))
     values = np.zeros((len(state.condition_scale), len(free) + 1))
@@ -80,9 +86,9 @@ def _answers(
     if control.load is not None:
         values[first, :-1], values[first, -1] = stress, 1.0
     else:
-        # Under a fixed approach, the right side of each zone's side condition is minus the value of
-        # the control for the contact pressure. `values` holds the derivatives of this right side
-        # by the free ends and by the value of the control.
+        # Under a fixed approach, each zone has a side condition with the right side
+        # -(value of the control + `yields_of` * force of the tension). `values` holds the
+        # derivatives of this right side with respect to the free ends and to the value.
         values[first : first + len(state.density.zones)] = np.append(
             np.full(len(free), -yields_of(control) * stress), -1.0
         )

@@ -16,9 +16,9 @@ class CohesiveState(State):
     """A state under a cohesive law: the intervals of tension and the contact inside them.
 
     table: the intervals I (empty if the tension acts everywhere); zones: the contact (n, 2); q: the
-    fields of the contact, None without contact; by_ends, level_rates: rates of the zones' ends
-    (2n,) and of the level with respect to the ends of I and, in the last column, the value of the
-    control; seen: the sampled gap, None if it was not sampled.
+    fields of the contact, None without contact; by_ends, level_rates: derivatives of the 2n ends of
+    the zones and of the level (minus the approach), with respect to the ends of I and, in the last
+    column, to the value of the control; seen: the sampled gap, None if it was not sampled.
     """
 
     zones: Array

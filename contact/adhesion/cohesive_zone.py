@@ -7,11 +7,11 @@ residual and its Jacobian are
 
     r = 1 - gap(c)/h,   J = dr/ds = -(1/h) d gap(c)/ds.
 
-They have the role of the edge intensities in `curve`. Under load control, tension anywhere brings
-the surfaces closer everywhere. Then J is positive off its diagonal and the map I -> {gap < h} is
-monotone: intervals whose ends are all driven outward grow to the smallest equilibrium that contains
-them. Under approach control of a period this does not hold, since far from a tension the surfaces
-move apart.
+They replace the residual and the Jacobian of the edge intensities (contact.adhesion.curve). Under
+load control, tension anywhere brings the surfaces closer everywhere. Then J is positive off its
+diagonal and the map I -> {gap < h} is monotone: intervals whose ends are all driven outward grow to
+the smallest equilibrium that contains them. Under a given approach of a periodic contact the map is
+not monotone, since far from a tension the surfaces move apart.
 """
 
 import math

@@ -77,10 +77,10 @@ def _newton(
         if size < (ACCURACY.neutral if tight else ACCURACY.rough) or (rounded and not tight):
             return at, start
         start = start + step
-        # The iteration ends if the next Newton step would be shorter than `ACCURACY.neutral`, where
-        # steps are assumed to shrink at least by the factor `size / before`. It also ends if a
-        # short step is more than half of the step before (`rounded`), because such a step is
-        # round-off.
+        # The iteration ends if the next Newton step is predicted to be shorter than
+        # `ACCURACY.neutral`. For this prediction, steps shrink by the factor `size / before`. The
+        # iteration also ends if a short step is more than half of the step before (`rounded`),
+        # because such a step is round-off.
         if size * min(size / before if k else 1.0, 1.0) < ACCURACY.neutral or rounded:
             table = at_start.moved(start[:-1] * widths)
             return curve.at(table, at_start.value + start[-1] * unit, pinned=pinned), start

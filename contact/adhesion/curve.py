@@ -82,12 +82,14 @@ class Corners:
 @record
 class State:
     """Intervals at a value of the control, with the residuals of the ends of the intervals.
-    An end is in equilibrium if its residual is 0, and tends to advance if it is positive.
+    An end is in equilibrium if its residual is 0, and tends to advance if its residual is positive.
 
     table: the intervals (n, 2). residual: r/|K*| of the left and then the right ends (2n,).
-    rates: dr/ds (2n, 2n). by_value: dr/d(value) (2n,). load, level: scaled. The residual of a
-    pinned end is 0, and its rates make it stable. corners: None without sharp corners. solved:
-    the engine's state and its tolerance, None where it is not kept.
+    rates: derivatives of the residuals with respect to outward displacements s of the ends
+    (2n, 2n). by_value: those with respect to the value of the control (2n,). load, level: the load
+    and minus the approach, scaled. The residual of a pinned end is 0, and its rates make it stable.
+    corners: None without sharp corners. solved: the engine's state and its tolerance, None where
+    they are not kept.
     """
 
     table: Array
@@ -126,7 +128,7 @@ class State:
         )
 
     def at_corners(self, corners: tuple[float, float]) -> Self:
-        """This state with all ends at sharp corners pinned that are not driven inward."""
+        """This state, with ends at sharp corners pinned unless they are driven inward."""
         if not np.isfinite(corners).all():
             return self
         at = (self.table == np.array(corners)).T.ravel()
@@ -219,7 +221,7 @@ class State:
     def damped_step(self, by: Array | float) -> Array:
         """Implicit Euler step of all ends down the slope of the energy.
 
-        by: damping above the largest growth rate.
+        by: damping in excess of the largest growth rate, or of 0 if the state is stable.
         """
         damped = np.diag((max(self.growth, 0.0) + by) * self.weight)
         return np.asarray(np.linalg.solve(damped - self.rates, self.residual), dtype=np.float64)

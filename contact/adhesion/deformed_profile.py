@@ -5,13 +5,15 @@ Then q solves the frictionless contact of the profile that the tension alone has
 
     (1/pi) PV int q K = f' + s T(x),
 
-of height f + s V (contact.adhesion.uniform_tension). q vanishes at the ends of a zone: the
-logarithms of T lie at the ends of I, outside the zones.
+with the kernel K. Here T is the slope, and V the height, that a unit tension on I adds to the
+profile f (contact.adhesion.uniform_tension). So the deformed profile has the height f + s V. T is
+infinite only at the ends of I, which lie outside the zones, so that q vanishes at the ends of a
+zone.
 
-If a zone is pinned at a sharp corner, its interval ends there, too. In this zone p = q - s eta,
-where eta falls from 1 at the other end to 0 at the corner, linearly in the angle of the zone. This
-is a tension whose end is spread over the zone (contact.adhesion.spread_end), and q has square roots
-at both ends.
+If a zone is pinned at a sharp corner, its interval of tension ends at this corner, too. In this
+zone p = q - s eta, where eta falls from 1 at the other end of the zone to 0 at the corner, linearly
+in the angle arccos(t) of the zone. This is a tension whose end is spread over the zone
+(contact.adhesion.spread_end), and q has square roots at both ends of the zone.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@
                  touch: ends advance under the fixed control, zones begin where the surfaces would
                  overlap, zones that meet merge. Under a negative load, or below first touch, the
                  contact first advances under no load, and recedes from there
-    receding     starts from a zone so wide that its ends are driven inward; with a period from full
-                 contact, which stays closed
+    receding     starts from a zone so wide that its ends are driven inward; with a period, it is
+                 the full contact, which stays closed
 
 No new gap begins inside a zone: an opening of zero width has no edge intensity to drive it.
 """
@@ -125,8 +125,8 @@ def curve_of(context: SolveContext) -> tuple[ScaledScene, Curve]:
 def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
     """The scaled scene; without period or corners, a typical contact's width is the length unit.
 
-    It is the width of the contact `_typical`. This contact has no adhesion, and a load that stands
-    for the adhesion. intensity: that of the adhesion at the ends of zones.
+    The typical contact (`_typical`) has no adhesion, and a load that stands for the adhesion.
+    intensity: edge intensity, in absolute value, that the adhesion prescribes at ends of zones.
     """
     scene = context.scene
     if scene.profile.period is not None or scene.profile.support is not None:
@@ -206,8 +206,9 @@ def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
 def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
     """A zone so wide that its ends, and the ends of wider zones, tend to recede.
 
-    Under an approach from a datum, zones much wider than the datum are lowered by a load: the
-    search ends there. Between sharp corners the zone is the whole interval.
+    If the approach is the control, and is measured from a datum, a load on a zone much wider than
+    the distance of the datum lowers the approach. The search ends at such a zone. Between sharp
+    corners the zone is the whole interval.
     """
     if curve.problem.profile.support is not None:
         return np.array([curve.problem.corners])

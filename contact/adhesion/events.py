@@ -47,8 +47,8 @@ class PathState:
 class Jump:
     """An event of a loading path at which the zones of contact change.
 
-    kind: see contact.sweeps.adhesive. place: scaled place at which the change begins. smooth: true
-    if no end jumps and no energy is lost.
+    kind: see contact.sweeps.adhesive. place: scaled position x at which the change begins. smooth:
+    true if no end jumps and no energy is lost.
     """
 
     kind: str
@@ -229,11 +229,12 @@ def first_zero(
 ) -> tuple[float, float, float]:
     """The first zero of a condition in a step: (arc length, position x, width in x).
 
-    The condition is a function of the position and of the arc length. Position and width are those
-    of the interval in which the condition was last found negative. end: the state at the length.
-    seen: intervals (n, 2) in which the condition is negative there. least: (place, value) of the
-    least value of the condition in an interval. others: intervals in which the condition is
-    negative at a state.
+    The condition is a function of the position x and of the arc length. The returned position lies
+    in the interval in which the condition was last found negative; the returned width is the width
+    of this interval. end: the state at the arc length `length`. seen: intervals (n, 2) in which the
+    condition is negative at this state. least: returns (position, value) of the condition's minimum
+    at a state in an interval. others: returns the intervals in which the condition is negative at a
+    state.
     """
     place, width = 0.0, 0.0
     while len(seen):

@@ -5,15 +5,15 @@ zones begin and merge, and following each of them takes minutes. The same growth
 takes a tenth of a second. Three conditions are tested, the cheap ones first:
 
 1. Full contact is an equilibrium: its least pressure is above the limit of the law.
-2. Its energy is below that of the first touch. Growth only lowers the energy, so that
-    it cannot end there otherwise.
-3. The contact on the grid, grown from first touch, ends there. The grid does not resolve the
-    strip next to a zone on which a strong attraction acts. A weaker attraction of a longer reach
-    and of the same work replaces it. Its strip is a few cells wide: for such strips only the work
-    matters.
+2. The energy of full contact is below the energy at first touch. A contact that grows only lowers
+    its energy, so otherwise it cannot reach full contact.
+3. The contact on the grid, grown from first touch, ends in full contact. The grid does not resolve
+    the narrow strip next to a zone on which a strong attraction acts. So the strong attraction is
+    replaced by a weaker one with a longer reach and the same work, whose strip is a few cells wide.
+    For strips much narrower than the zones only the work matters.
 
 The map from intervals of attraction to {gap < reach} is monotone under a fixed load. So is the
-answer: a contact that closes under a load closes under every larger one.
+answer: a contact that closes under a load closes under every larger load.
 """
 
 import math

@@ -15,10 +15,10 @@ The steps are Newton's,
 
     -J ds = r,   J = dr/ds,
 
-with every end bounded by its limits. Where J has positive eigenvalues, mu D - J replaces -J: D is a
-diagonal damping and mu exceeds the largest growth rate. The steps are the same for both kinds of
-law. The flow of a cohesive zone (contact.adhesion.cohesive_flow) differs in how its intervals
-change.
+with r the residuals and s the outward displacements of the ends; the step of each end is bounded by
+its limits. If J has positive eigenvalues, mu D - J replaces -J: D is a diagonal damping and mu
+exceeds the largest growth rate. The steps are the same for both kinds of law. The flow of a
+cohesive zone (contact.adhesion.cohesive_flow) differs in how its intervals change.
 """
 
 import numpy as np
@@ -93,8 +93,9 @@ def _flow(
 def at_rest(here: State, move: float, rest: float = ACCURACY.resting_step) -> bool:
     """Whether all ends of intervals have converged to an equilibrium after a step.
 
-    move: largest move relative to the widths. rest: largest Newton step of ends at rest. A step may
-    be short only because another end reached its corner: then Newton's next step is longer.
+    move: largest displacement of an end in this step, relative to the widths. rest: largest Newton
+    step of ends at rest. The step may be short only because an end has reached its sharp corner.
+    Then the next Newton step is longer.
     """
     driven = float(np.abs(here.residual).max())
     if here.growth < 0.0 and driven <= MOVES.hard_drive:
@@ -338,7 +339,8 @@ def _damped_step(here: State, sign: float, limit: Array) -> Array:
 def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:
     """Mask of the ends that have passed an equilibrium in a step.
 
-    Their residual has the opposite sign at the end of the step or, by cubic interpolation, inside.
+    The residual of such an end changes its sign: at the end of the step, or inside the step by
+    cubic interpolation.
     """
     first, last = here.whole, ahead.whole
     before, after = sign * first.residual, sign * last.residual

@@ -1,15 +1,17 @@
 """The grid guide: first guesses of intervals of tension, grown or shrunk on a grid.
 
-Under the tension on intervals I the contact is that of the deformed surfaces
-(contact.search.grid.conjugate_gradient). With the reach h, the map
+The contact under a tension on intervals I is the frictionless contact of the surfaces that the
+tension has deformed (contact.search.grid.conjugate_gradient). With the reach h of the tension, the
+map
 
     I -> {gap < h}
 
 is monotone on a half-plane under a fixed load. Intervals whose ends are all driven outward grow to
-the least equilibrium that contains them. Those driven inward shrink to the greatest one inside. On
-a grid an iteration of the map costs a few transforms. The reach is taken a little smaller for
-growth and a little larger for shrinking. In spite of the error of the grid, the intervals then lie
-inside those of the equilibrium, or contain them.
+the least equilibrium that contains them. Intervals whose ends are all driven inward shrink to the
+greatest equilibrium inside them. On a grid, an iteration of the map costs a few Fourier transforms.
+The reach is taken a little smaller for growth and a little larger for shrinking. In spite of the
+error of the grid, the intervals found then lie inside the intervals of the equilibrium after
+growth, and contain them after shrinking.
 """
 
 import math

@@ -1,9 +1,10 @@
 """The contact under a tension on given intervals: frictionless contact of the deformed profile.
 
-The ends of the zones are moved by Newton steps 2 K/A within the intervals, with the edge intensity
-K and the edge slope A of the pressure q. At an end of an interval the deformed profile has a
-logarithmic slope, and near it K varies as the square root of the distance. `inner_signs` then tests
-the signs of pressure and gap.
+The pressure q is K/sqrt(d) + A sqrt(d) at a small distance d from the end of a zone, with the edge
+intensity K and the edge slope A. The ends of the zones are moved by Newton steps 2 K/A within the
+intervals. At the end of an interval the slope of the deformed profile is logarithmically infinite.
+Near this end, K varies as the square root of the distance between the end of the zone and the end
+of the interval. After the search, `inner_signs` tests the signs of pressure and gap.
 """
 
 from __future__ import annotations
@@ -45,8 +46,8 @@ class InnerTolerances:
     """Tolerances for the solution of a contact under tension.
 
     density: of the density. ends: of the last Newton step, relative to the strips of tension next
-    to the ends. last: after a smaller step than this, one more is taken without a check, since
-    Newton's method squares the error.
+    to the ends. last: after a Newton step below this limit, one more step is taken without a check,
+    since Newton's method squares the error.
     """
 
     density: float = ACCURACY.density
@@ -276,11 +277,12 @@ def _moved(pulled: TractionLoaded, zones: Array, moved: Array, reaches: Mask) ->
 
 
 def edge_slopes(pulled: TractionLoaded, state: sie.AnyState) -> Array:
-    """The edge slopes A (2, Z) of pressure plus full tension, p + s, at the ends of the zones.
+    """The edge slopes A (2, Z): coefficients of sqrt(distance) in p + s at the ends of the zones.
 
-    The density of `state` is q = p + s. On a zone pinned at a corner it is q = p + s eta, where eta
-    < 1 is the local fraction of the tension (contact.adhesion.deformed_profile). There s (1 - eta)
-    adds to the slope at the other end of the zone.
+    p is the pressure and s the full tension. The density of `state` is q = p + s. On a zone pinned
+    at a corner it is q = p + s eta, where eta < 1 is the local fraction of the tension
+    (contact.adhesion.deformed_profile). At the other end of such a zone, s (1 - eta) adds to the
+    coefficient of q.
     """
     slope, zones = np.array(state.density.edge_slopes), state.density.zones
     more = 2 * pulled.pulling.stress / np.pi / np.sqrt(2 * zones.half)
@@ -301,8 +303,9 @@ def _pinned(pulled: TractionLoaded, zones: Array, k: Array) -> tuple[Mask, Mask]
 def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
     """Newton steps of ends that are released from a sharp corner.
 
-    A narrow strip of width (pi K/(2 s))^2 under the tension s has the intensity -K. Without tension
-    the ends step inward.
+    A narrow strip of width (pi K/(2 s))^2 under the tension s has the edge intensity -K, which
+    cancels the intensity K of the end. So the end moves inward by this width. Without tension, it
+    moves inward by the length of its Newton step.
     """
     stress = pulled.pulling.stress if len(pulled.pulling.table) else 0.0
     return (
@@ -322,8 +325,8 @@ def _reaches(
 ) -> Mask:
     """Mask (2, n) of the ends that move all the way to the sharp corner next to them.
 
-    They do if their edge intensity K exceeds that of a strip of tension s up to the corner, 2 s/pi
-    times the square root of its width.
+    The strip between an end and the corner has the width w and the tension s. The end moves to the
+    corner if its edge intensity K exceeds the intensity 2 s sqrt(w)/pi of this strip.
     """
     lo, hi = pulled.corners
     if not np.isfinite(lo) or len(zones) == 0:

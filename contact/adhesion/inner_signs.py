@@ -139,7 +139,7 @@ def signs_hold(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> bool:
 def corrected(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> Array | None:
     """The zones without parts of negative pressure q, with new zones where surfaces overlap.
 
-    None if there are no such places.
+    None if no pressure q is negative and no surfaces overlap.
     """
     kept, cut = _compressed(fields)
     new = _overlapping(fields, *gap_samples)

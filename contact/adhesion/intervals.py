@@ -64,9 +64,11 @@ def below(
 ) -> Array:
     """Intervals about the zones, in which the sampled gap is below the reach of the tension.
 
-    gap_samples: sample points without contact and the gap there. Each interval ends half-way
-    between the last sample below the reach and the interpolated crossing (wide: half-way beyond
-    it), or at a sharp corner. Raises Closed if the gap is below the reach everywhere.
+    gap_samples: sample points without contact, and the gap at these points. An interval ends
+    between its last sample below the reach and the next sample: half-way from the last sample to
+    the point where the interpolated gap crosses the reach; with `wide`, half-way from this point to
+    the next sample. At a sharp corner it ends at the corner. Raises Closed if the gap is below the
+    reach everywhere.
     """
     ends = zones.ravel() if period is None else np.append(zones.ravel(), zones[0] + period)
     x, gap = (
@@ -104,7 +106,10 @@ def below(
 def joined(
     table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None
 ) -> Array:
-    """The intervals `new` and `table`; each one of `table` marked in `joins` joins the next."""
+    """The intervals `table` and `new`; those of `table` marked in `joins` are joined to the next.
+
+    With a period, the interval after the last one is the first.
+    """
     joins = joins.copy()
     if period is None:
         joins[-1] = False

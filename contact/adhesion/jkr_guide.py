@@ -1,8 +1,10 @@
 """First guesses from a law without range (JKR), for tension on strips narrower than zones.
 
-Under a little less work of adhesion without range, a contact lies inside the one that is searched
-for; under a little more, it holds it. At each tip of its zones the strip has a closed form, and
-all its ends are driven one way from there.
+Under a law without range, the contact for a little less work of adhesion lies inside the contact
+that is searched for, and the contact for a little more work contains it. From either of these
+contacts a state with tension is built: at each tip (end of a zone) a strip of tension is added,
+whose width has a closed form. The ends of all intervals of this state are driven the same way,
+towards the contact that is searched for.
 """
 
 import math
@@ -30,8 +32,9 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
     """A state whose zones are slightly narrower than those of a certain equilibrium.
     This is the smallest equilibrium whose zones contain the given `zones`.
 
-    All ends of the state are driven outward. It is built around the zones that a law without range
-    has with a little less adhesion. None where strips are wider than zones, or the guide fails.
+    All ends of the state are driven outward. The state is built around the zones of the contact
+    under a law without range with a little less adhesion. None if strips are wider than zones, or
+    if no such state is found.
     """
     for margin in MOVES.margins:
         short = _curve_without_range(curve, zones, 1.0 - margin)
@@ -63,11 +66,12 @@ def _with_range(
 ) -> CohesiveState | None:
     """A state under the cohesive law, built from an equilibrium of a law without range.
 
-    All its ends are driven one way. margin: fraction of the work left out, or added if negative.
-    None where the ends are driven both ways.
+    All ends of the state are driven the same way. margin: fraction of the work left out, or added
+    if negative. None if some ends are driven outward and others inward.
 
-    Near a tip the pressure is p = A sqrt(v) - K/sqrt(v) at a distance v from it. A strip of width d
-    under the tension s takes up K = 2 s sqrt(d)/pi. At the end of the strip the gap is the reach h,
+    At the distance v from a tip (end of a zone of `tips`) the pressure is A sqrt(v) - K/sqrt(v). A
+    strip of width d under the tension s replaces the term with K = 2 s sqrt(d)/pi. The width d
+    follows from the condition that the gap at the end of the strip is the reach h:
     4 s d/pi + 4 A d^(3/2)/3 = E* h.
     """
     wide = (1.0 - margin) * curve.strip
@@ -111,8 +115,8 @@ def near_pull_off(
 ) -> CohesiveState | None:
     """An equilibrium near the least control value, found by means of a law without range (JKR).
 
-    The law without range has a larger work of adhesion. recede: brings ends driven inward to rest.
-    None where the guide fails.
+    The law without range has a larger work of adhesion. recede: moves ends that are driven inward
+    to an equilibrium. None if this way finds no equilibrium.
     """
     short = _curve_without_range(curve, here.contact, 1.0 + MOVES.margins[0])
     if short is None:

@@ -8,10 +8,10 @@
 After a jump the ends come to rest at the next equilibrium in their direction
 (contact.adhesion.gradient_flow). Where new zones begin, and whether closed surfaces open again,
 depends on the law (contact.adhesion.events). Without a range of adhesion, surfaces that are
-closed over the whole period stay closed, and zones never split: a gap inside a zone begins
-without width, and the intensity of its ends is sqrt(width) times the tension there. It
-opens only from a flaw whose width is proportional to 1/tension^2 (A. A. Griffith, Phil. Trans. R.
-Soc. Lond. A 221, 1921, 163), and these surfaces have no flaws.
+closed over the whole period stay closed, and zones never split. A gap inside a zone would begin
+without width, and the edge intensity at its ends is proportional to the tension times sqrt(width).
+So a gap opens only from a flaw whose width is proportional to 1/tension^2 (A. A. Griffith, Phil.
+Trans. R. Soc. Lond. A 221, 1921, 163), and these surfaces have no flaws.
 """
 
 from collections.abc import Callable, Generator, Iterator
@@ -187,9 +187,9 @@ class LoadingPath:
     def _jump(self, before: State, end: float, after: PathState, rises: bool) -> Jump:
         """The jump from the equilibrium `before`, in which the end at x = `end` moves first.
 
-        Its place is the middle of the zone that separates or of the gap that closes. Of several,
-        the one nearest to `end` is taken. Intervals of tension without contact count as zones. If
-        zones only change their widths, the place of the jump is `end`.
+        The place of the jump is the middle of the zone that separates or of the gap that closes; of
+        several zones or gaps, the one nearest to `end` counts. Intervals of tension without contact
+        count as zones. If zones only change their widths, the place of the jump is `end`.
         """
         period = self.law.curve.problem.period
         zones = before.contact if len(before.contact) else before.table

@@ -176,7 +176,7 @@ class _CohesivePath:
     def _full(self) -> tuple[float, float]:
         """(control value at which all gaps close under tension everywhere, scale of this value).
 
-        Both are values of the control.
+        Both are in the scaled units of the control. The result is (inf, 0) if no such value exists.
         """
         scene, held, units = self.context.scene, self.curve.control, self.scaled.problem.units
         period, law = scene.period, scene.law

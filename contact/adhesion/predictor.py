@@ -1,15 +1,16 @@
 """The predictor of the residuals of the ends of many zones as they move on from one state.
 
-If an end advances by s while the others stay, the gap that was open there closes. If it recedes,
-the pressure that was there is released. Near the end either acts like a load on the faces of a
-crack, whose intensity is an Abel integral (J. R. Rice, Int. J. Solids Struct. 8, 1972, 751, doi
-10.1016/0020-7683(72)90040-6),
+If an end advances by s while the others stay, the gap that was open there closes. If the end
+recedes, the pressure that was there is released. Near the end, the closed gap or the released
+pressure acts like a load on the faces of a crack, and the edge intensity K is an Abel integral
+(J. R. Rice, Int. J. Solids Struct. 8, 1972, 751, doi 10.1016/0020-7683(72)90040-6),
 
-    K(s) = (1/pi) int_0^s h(y)/sqrt(y (s - y)) dy = (2/pi) int_0^(pi/2) h(s sin^2 theta) d theta,
+    K(s) = (1/pi) int_0^s h(y)/sqrt(y (s - y)) dy = (2/pi) int_0^(pi/2) h(s sin^2 theta) d theta.
 
-with the slope of the gap, or the pressure, h/sqrt(y) at the distance y. The contribution of the
-other ends is taken linear in their motion. Both approximations need an s that is small compared
-with the zone or the gap. The state at the end of a step shows the error of the prediction.
+Here h(y)/sqrt(y) is the slope of the gap, or the pressure, at the distance y from the first
+position of the end. The contribution of the other ends is approximated as linear in their motion.
+Both approximations require that s is small compared with the zone or the gap. The state at the end
+of a step shows the error of the prediction.
 """
 
 from __future__ import annotations
@@ -53,8 +54,9 @@ class Predictor(Kept):
     A drive is the residual of an end in the direction of its motion.
 
     farthest: largest distance that each end may move (2n,). driven: drive of each end at the start
-    and at the places on its path (2n, 1 + places). by_others: drive of each end added by a unit
-    motion of each other end (2n, 2n). creep: distance moved by an end whose drive is small (2n,).
+    and at the places on its path (2n, 1 + places). by_others: change of the drive of each end by a
+    unit motion of each other end (2n, 2n). creep: largest distance that an end moves if its drive
+    is small (2n,).
     """
 
     farthest: Array
@@ -102,9 +104,9 @@ class Predictor(Kept):
 
     @cached_property
     def held_back(self) -> Array:
-        """Reduction (2n,) of each end's residual by the motions of the other ends.
+        """Change (2n,) of each end's drive by those other ends that reduce it; at most 0.
 
-        Every other end is moved as far as it would go alone. Increases by other ends are left out.
+        Every other end is moved as far as it would go alone.
         """
         return np.asarray(np.minimum(self.by_others, 0.0) @ self._rests(np.zeros(len(self.first))))
 

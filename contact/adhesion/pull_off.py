@@ -1,7 +1,7 @@
-"""Pull-off: the last contact as the control falls, through all events before.
+"""Pull-off: the last contact as the control falls, after all earlier events.
 
-Each zone is lost at a turning point of the curve of equilibria. The last turning point is
-followed from an equilibrium near it.
+Each zone is lost at a turning point of the curve of equilibria. The curve is followed to the last
+turning point from an equilibrium near this point.
 """
 
 from collections.abc import Callable
@@ -57,9 +57,10 @@ def lowered_by_load(
     """An equilibrium under a fixed approach with fewer zones, found by first lowering the load.
 
     While the load is lowered, all ends recede, and the remaining zones do not depend on the path.
-    Under a fixed approach, the other zones advance when a zone is lost. The state itself is
-    returned for one zone, under a fixed load, and if the new approach is not lower.
-    lead_to_load(curve, state): an equilibrium near the least load.
+    Under a fixed approach, the other zones advance when a zone is lost. The state `here` itself is
+    returned if it has one zone, if the load is the control, or if the approach found is not lower.
+    lead_to_load: a function of a curve and a state, which returns an equilibrium near the least
+    load.
     """
     if curve.control.load is not None or len(here.contact) < 2:
         return here

@@ -67,9 +67,9 @@ def _integral(
 class SeparatedFields(NoZones):
     """The fields of surfaces without contact under a tension.
 
-    problem: the problem with the scene's law; pulled: the one with the tension that acts; level:
-    minus the scaled approach. The stiffness is None, since the ends of the tension move with the
-    approach.
+    problem: the problem with the scene's law; pulled: the problem of the profile that the tension
+    has deformed; level: minus the scaled approach. The stiffness is None, since the ends of the
+    tension move with the approach.
     """
 
     problem: Problem

@@ -8,8 +8,8 @@ sqrt((xi - a)(b - xi))). With z = (x - middle)/half,
         = half [z ln(half/2) + sgn(z) (|z| arcosh|z| - sqrt(z^2 - 1))],
 
 where arcosh and the root are zero on the zone. Smooth functions are integrated by the Gauss rule of
-mu: equal weights at the cosines of equidistant angles. With a period, this includes the remainder
-of ln|2 sin(pi y/L)| without its singularities at 0, L and -L.
+mu: equal weights at the cosines of equidistant angles. With a period L, one of these functions is
+the remainder of ln|2 sin(pi y/L)| after its singularities at y = 0, L and -L are subtracted.
 """
 
 from collections.abc import Callable
@@ -178,7 +178,8 @@ def line_load(z: Complex, period: float | None) -> tuple[Complex, Complex]:
 def _remainder(z: Complex, period: float) -> tuple[Complex, Complex]:
     """(r, dr/dz), with r = `line_load` - ln(z (z - L) (z + L)) for the period L and |Re z| < L.
 
-    r is the sum of ln(1 - (z/kL)^2) over k > 1, by psi(2 + z/L) and the gamma function.
+    Up to a constant, r is the sum of ln(1 - (z/kL)^2) over k > 1. It is computed from the gamma
+    function, and dr/dz from the digamma function, at 2 - z/L and 2 + z/L.
     """
     u = z / period
     value = np.log(2 * np.pi / period**3) - loggamma(2 - u) - loggamma(2 + u) - 1j * np.pi

@@ -1,10 +1,10 @@
 r"""A uniform tension on given intervals, and the deformation of the profile by it.
 
-The tension s changes the slope by s T and the height by s V, V' = T, with
+The tension s changes the profile's slope by s T and its height by s V, with V' = T and
 
-    T = (1/pi) sum [Lambda(x - l) - Lambda(x - r)] over the intervals (l, r),
+    T = (1/pi) sum [Lambda(x - l) - Lambda(x - r)] over the intervals (l, r) of tension,
 
-where Lambda is the kernel's potential, the displacement due to a line load.
+where Lambda is the potential of the kernel K: the displacement due to a line load.
 
 V follows from the second antiderivative of the kernel K: y (ln|y| - 1) for a pole, and Clausen's
 integral -(L/2 pi) Cl_2(2 pi y/L) with a period (DLMF 25.12.9).
@@ -32,9 +32,10 @@ _PANELS_PER_LENGTH = 4.0
 class UniformTension(sie.Kept):
     """A uniform tension on intervals; all quantities are scaled.
 
-    table: the intervals (m, 2), ascending; everywhere: whether it acts on the whole period; plain:
-    whether the kernel has no regular part; spread: the zones pinned at the left and at the right
-    corner, over which the first and the last end are spread.
+    table: the intervals (m, 2), ascending; everywhere: whether the tension acts on the whole
+    period; plain: whether the kernel has no regular part; compression: minus the change of the
+    height by a unit tension on the whole period; spread: the zones pinned at the left and at the
+    right corner, over which the first and the last end of the tension are spread.
     """
 
     stress: float
@@ -51,8 +52,8 @@ class UniformTension(sie.Kept):
 
     @property
     def spreads(self) -> list[tuple[int, SpreadEnd]]:
-        """For each gradual end of the tension: (0 if it is the first, -1 if the last; `SpreadEnd`).
-        A gradual end fades out over a zone that is pinned at a sharp corner.
+        """For each gradual end of the tension: (0 for the first end, -1 for the last; `SpreadEnd`).
+        At a gradual end the tension fades out over a zone that is pinned at a sharp corner.
         """
         return [
             (end, zone) for end, zone in zip((0, -1), self.spread, strict=True) if zone is not None
@@ -89,8 +90,8 @@ class UniformTension(sie.Kept):
         return out
 
     def share(self, x: Array) -> Array:
-        """Local fraction eta of the tension: 1 in intervals, 0 outside, between where it fades out.
-        It fades out over zones that are pinned at sharp corners.
+        """Local fraction eta of the tension at points x: 1 in intervals of tension, 0 outside.
+        Over zones that are pinned at sharp corners, eta falls gradually from 1 to 0.
         """
         out = self.holds(x).astype(float)
         for end, zone in self.spreads:
@@ -177,7 +178,10 @@ class UniformTension(sie.Kept):
     def _between(
         self, of_ends: EndSum, spread: Callable[[Array, SpreadEnd], Array], x: Array
     ) -> Array:
-        """Sum over all intervals of a function of the left end minus that of the right end."""
+        """Sum over all intervals of a function for the left end minus the function for the right.
+
+        of_ends: this sum over abrupt ends. spread: the function for a gradual end.
+        """
         x = np.asarray(x, dtype=float)
         out = of_ends(x) if len(self.table) else np.zeros(x.shape)
         for end, zone in self.spreads:

@@ -5,8 +5,12 @@ r"""A solved contact spot: pressure, gap and displacement from the Abel transfor
     gap(r) = (2/pi) int_a^r [g(x) + d + e(x) - sum (2 N P/E*) sqrt(A^2 - x^2) - delta]
              dx / sqrt(r^2 - x^2)
 
-Here p_f is the pressure of the profile alone; e and A are those of `system`. All fields are means
-over the angle. Displacements are measured from the mean plane.
+Here a is the radius of the spot, delta the approach, and d the depth of the tip below the highest
+tips. p_f is the pressure of the profile alone, divided by E*, and g the Abel transform of the
+profile. e(x) is the effect of the neighbours that are treated at their places. The other neighbours
+are N spots per unit area with the load P each, outside a circle of radius A; the sums are over the
+kinds of spots (`system`). All fields are means over the angle. Displacements are measured from the
+mean plane.
 """
 
 from collections.abc import Callable
@@ -50,9 +54,9 @@ class Spot(sie.Kept):
     """One contact spot that was solved for, with the effect of its neighbours.
     `solve_spot` and `solve_levels` return such spots.
 
-    The equations are in the docstring of this module. `error` bounds the relative error of load,
-    radius and pressure (over the mean pressure) as a solution of the model's equations. It does not
-    include the error of the model itself.
+    The equations are in the docstring of this module. `error` bounds the relative errors of load
+    and radius, and the error of the pressure divided by the mean pressure, as a solution of the
+    model's equations. It does not include the error of the model itself.
 
     Parameters
     ----------
@@ -87,13 +91,13 @@ class Spot(sie.Kept):
     mean_pressure, max_pressure : float
         Mean over the spot and peak [Pa]; the peak under a tip or an edge is inf.
     circle : float
-        A = (pi N)^(-1/2), the radius of the circle with the area per spot [m]; inf for a spot
-        alone.
+        A = (pi N)^(-1/2), the radius of the circle whose area is the area per spot [m]; inf for a
+        spot alone.
     pressure, gap, displacement : callable
         p [Pa], gap [m] and u [m] at radii r [m] of any shape, as means over the angle. Gap and
         displacement are defined up to `reach`.
     balance : callable
-        int p dA over the load, less one.
+        Integral of the pressure over the spot, divided by the load, minus 1.
 
     Raises
     ------
@@ -159,7 +163,7 @@ class Spot(sie.Kept):
 
     @property
     def mean_pressure(self) -> float:
-        """Mean pressure in the spot: load over the area of the spot [Pa]."""
+        """Mean pressure in the spot: load divided by the area of the spot [Pa]."""
         return self.load / (pi * self.radius**2)
 
     @property

@@ -76,11 +76,12 @@ class Lattice:
     unit_basis : array, (2, 2)
         The basis vectors as rows, in units of l; defined by the subclass.
     unit_area : float
-        Area of the cell over l^2.
+        Area of the cell, divided by l^2.
     density : float
         Spots per unit area [1/m^2].
     neighbours, distances : callable
-        Radii [m] and numbers of spots of the first rings; distances over l up to a given one.
+        Radii [m] and numbers of spots of the first rings; distances of lattice points, divided by
+        l, up to a given distance.
 
     Raises
     ------

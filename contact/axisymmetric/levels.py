@@ -1,12 +1,13 @@
 r"""Asperities of several heights: levels that come into contact one after another.
 
-The tips of level j are d_j below the highest ones. Level j touches when the deformed surface
-reaches its tip: delta - u(tip) = d_j. The displacement u is made by the levels in contact: as means
-over the angle for the neighbours treated at their places, and by the nominal pressures N_i P_i
-beyond. From then on, level j is a further kind of spot in the same system. All kinds have one
-delta, and sum N_i P_i is the nominal pressure. With `rings=0`, a spot's own level acts outside its
-area per spot, the circle (pi N_j)^(-1/2) as in (1); every other level acts outside (pi sum
-N_i)^(-1/2).
+Level i has N_i spots per unit area, and each spot carries the load P_i. The tips of level j are d_j
+below the highest tips. At the approach delta, level j touches when the deformed surface reaches its
+tips: delta - u(tip) = d_j. The levels in contact cause the displacement u: the neighbours treated
+at their places as means over the angle, and the neighbours beyond by their nominal pressures
+N_i P_i. From then on, level j is a further kind of spot in the same system. All kinds have one
+delta, and sum N_i P_i is the nominal pressure. With `rings=0`, the other spots of a spot's own
+level act outside the circle of radius (pi N_j)^(-1/2), whose area is the area per spot, as in the
+paper's equation (1); every other level acts outside the circle of radius (pi sum N_i)^(-1/2).
 """
 
 from collections.abc import Iterator, Sequence
@@ -88,7 +89,7 @@ class LevelsSolution:
     Parameters
     ----------
     nominal_pressure : float
-        Load over area [Pa].
+        Load divided by area [Pa].
     approach : float
         Approach of the body since the highest level touched, measured from the mean plane of the
         surface [m].
@@ -341,7 +342,7 @@ def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -
 def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, delta: float) -> Array:
     """Radii that the spots would have without interaction: initial guess for Newton's method.
 
-    Either the nominal pressure over E* or the approach `delta` is given.
+    Either `pressure`, the nominal pressure divided by E*, or the approach `delta` is given.
     """
     scale = min(own_radius(kind.density) for kind in kinds)
     if pressure is not None:

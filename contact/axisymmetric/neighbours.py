@@ -1,17 +1,20 @@
 r"""The effect of neighbouring spots on a spot, as an Abel transform of their displacement.
 
-A point force Q at distance D lifts the ring of radius r < D by (Q/(pi E*)) mean 1/|r - D| =
-(2Q/(pi^2 E* D)) K(r/D), and that is (2/pi) int_0^r psi(x) dx/sqrt(r^2 - x^2) with psi = (Q/(pi
-E*))/sqrt(D^2 - x^2). Averaged over the places of an axisymmetric pressure with u = (2/pi) int
-w/sqrt(r^2 - t^2) of its own, 1/sqrt(D^2 - x^2) is the potential of that pressure at the height i x,
-where complex sources t give it in closed form:
+A point force Q at the distance D from the centre of a ring of radius r < D displaces the ring, in
+the mean, by (Q/(pi E*)) mean 1/|r - D| = (2Q/(pi^2 E* D)) K(r/D), with the complete elliptic
+integral K. That is (2/pi) int_0^r psi(x) dx/sqrt(r^2 - x^2) with
+psi = (Q/(pi E*))/sqrt(D^2 - x^2). Now let an axisymmetric pressure take the place of Q, whose own
+displacement is (2/pi) int_0^r w(t) dt/sqrt(r^2 - t^2). Integrated with this pressure over its
+points, 1/sqrt(D^2 - x^2) becomes the potential of the pressure at the height i x. Complex sources
+at t give this potential in closed form:
 
     psi(x) = (1/pi) int_-a^a w(t) dt / sqrt(D^2 - (x - t)^2),        |x| + a < D.
 
 The azimuthal mean of every neighbour is thus exact, and the kernel is a smooth function of x - t.
-Only some rings of neighbours are treated at their places. The others act as the nominal pressure
-N P outside a circle of radius A with the same number of spots, pi A^2 N (a spot alone in its circle
-for rings = 0):
+Only some rings of neighbours are treated at their places. The other neighbours, N per unit area
+with the load P each, act as the nominal pressure N P outside a circle of radius A. The area of this
+circle is the area of pi A^2 N spots: the spot itself and the neighbours treated at their places
+(for rings = 0 the spot alone):
 
     psi(x) = -(2 N P/E*) sqrt(A^2 - x^2),                            x < A,
 
@@ -25,7 +28,8 @@ with the cell area V as splitting parameter:
               + (1/V) sum_(k != 0) cos(2 pi k.d) (pi k^2)^(s/2-1) Gamma(1 - s/2, pi k^2 V)
               + V^(-s/2)/(s/2 - 1) - [d on the lattice] V^(-s/2)/(s/2) ],
 
-with rho = |R + d|, and k the points of the reciprocal lattice.
+with rho = |R + d| and k the points of the reciprocal lattice. The sum' leaves out R + d = 0, and
+[d on the lattice] is 1 if d is a lattice point, else 0.
 
 For s > 2 it is the plain sum. For s = 1 the plain sum diverges, and Z is the sum minus the
 potential of the same load spread evenly; the displacement is then measured from its mean.

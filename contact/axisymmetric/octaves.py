@@ -3,11 +3,12 @@
 An octave is [2^(k-1), 2^k]. On an octave any power of r is resolved by the same number of terms, so
 a cone and r^1.5 are as accurate as a paraboloid. Octaves are computed when first needed.
 
-The derivative of f is taken in ln r, so that no step leaves r > 0. It is a complex step if the
-user's function accepts complex numbers, and a finite difference otherwise. The second derivative is
-that of the series. Towards the tip, differences of heights become round-off. Below the octave where
-a power of r, fitted to the octave above, is more accurate, r f' is that power. The last
-coefficients of the series give the error.
+The derivative of f is taken with respect to ln r, so that no step leaves r > 0. It is a complex
+step if the user's function accepts complex numbers, and a finite difference otherwise. The second
+derivative is computed from the series. Towards the tip, differences of heights become round-off. So
+from some octave on towards the tip, r f' is a power of r that is fitted to the octave above: from
+the first octave on which this power is more accurate than the series. The last coefficients of the
+series give the error.
 """
 
 from collections.abc import Callable
@@ -95,7 +96,8 @@ class LogDerivative:
 class Octave:
     """Chebyshev series of r f' on [half/2, half] for the shape f, and errors of the series.
 
-    noise: error of its values; error: error of its derivative as far as it enters pressures.
+    noise: error of the values of the series; error: error of the derivative of the series, which
+    enters pressures.
     """
 
     half: float

@@ -15,7 +15,8 @@ from sie import Array
 
 
 def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:
-    """Gauss nodes and weights on the intervals between successive edges, along a new last axis.
+    """Nodes and weights of the quadrature on the intervals between successive edges.
+    They are along a new last axis.
 
     Edges are broadcast and must not decrease; an empty panel has weights 0.
     """

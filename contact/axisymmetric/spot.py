@@ -1,7 +1,8 @@
 r"""Equal spots on a lattice by the localization principle: the paper's equations (1) to (4).
 
-With `rings` = 0, equations (1) and (4): the spot's own pressure and, outside A = (pi N)^(-1/2), the
-nominal pressure N P_s,
+There are N spots per unit area, with the radius a and the load P_s. p_f is the pressure, and P_f
+the load, of one spot without neighbours. With `rings` = 0, equations (1) and (4) hold: the nominal
+pressure N P_s acts outside the circle of radius A = (pi N)^(-1/2) around the spot,
 
     p(r) = p_f(r) + (2/pi) N P_s arctan(sqrt(a^2 - r^2)/sqrt(A^2 - a^2)),
     P_s = 2 pi int_0^a p r dr,
@@ -124,16 +125,17 @@ def solve_spot(
 
 def correction_share(ratio: float) -> float:
     """Share F(a/A) of a spot's load that is due to the nominal pressure on its surroundings.
-    a is the radius of the spot, A that of the circle whose area is the area per spot.
+    a is the radius of the spot, A the radius of the circle whose area is the area per spot.
 
-    F(q) = (2/pi)(arcsin q - q sqrt(1 - q^2)), with the radius a of the spot and A of its circle.
+    F(q) = (2/pi)(arcsin q - q sqrt(1 - q^2)).
 
-    In the first step of the localization, the nominal pressure outside A adds F P_s to the load.
+    In the first step of the localization, the nominal pressure outside the circle of radius A adds
+    F P_s to the load P_s of the spot.
 
     Parameters
     ----------
     ratio : float
-        q = a/A, from 0 to 1: radius of the spot over that of the circle with the area per spot.
+        q = a/A, from 0 to 1: radius of the spot, divided by the radius of the circle.
 
     Returns
     -------
@@ -323,7 +325,8 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
     """The spot with its stated error, the largest of several estimates.
     Raises NotConverged if the error exceeds `tol`.
 
-    They are the last change, the balance of load and pressure, and round-off.
+    The estimates are the last change in `trace`, the error of the balance of load and pressure, the
+    error of numerical derivatives of the shape, and round-off.
     """
     spot.check()
     # The penetration of a tiny spot is the difference of two much larger numbers: the approach, and

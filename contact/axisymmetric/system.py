@@ -1,17 +1,20 @@
 r"""Interacting spots of one or several kinds: the equation of the second kind and Newton's method.
 
-Let w_j(x), |x| <= a_j, be the Abel transform of the displacement of kind j by itself (P_j = E* int
-w_j, p_j = -(E*/pi) int w_j'/sqrt). Then
+Let w_j(x), |x| <= a_j, be the Abel transform of the displacement that a spot of kind j, of radius
+a_j, causes under itself. Its load is P_j = E* int w_j dx over (-a_j, a_j), and its pressure
+p_j(r) = -(E*/pi) int_r^a_j w_j'(x) dx / sqrt(x^2 - r^2). Then
 
     w_j(x) = delta - d_j - g_j(x) - e_j(x) + sum_i (2 N_i P_i/E*) sqrt(A_ji^2 - x^2),
     e_j(x) = (1/pi) sum_i int_-a_i^a_i w_i(t) K_ji(x - t) dt,
 
-with g_j the transform of the profile, d_j the depth of its tip, and K and A of `neighbours`. For
-given radii this is a linear system for e_j at Gauss nodes, the loads and delta. One side condition
-closes it: a total load, w = 0 at an edge, or a tip that just touches. The correct radii have
-w_j(a_j) = 0. A shift of a_j changes the integrals by w_j(a_j) da_j, which vanishes at the solution.
-So the Jacobian of the edge values is diagonal, w_j'(a_j), and the Newton step is a_j -
-w_j(a_j)/w_j'(a_j) under any side condition.
+with the approach delta, the transform g_j of the profile and the depth d_j of its tip. e_j is the
+effect of the neighbours that are treated at their places. N_i is the number of spots of kind i per
+unit area; the kernels K_ji and the radii A_ji are those of `neighbours`. For given radii this is a
+linear system for e_j at Gauss nodes, the loads and delta. One side condition closes it: a total
+load, w = 0 at an edge, or a tip that just touches. The correct radii have w_j(a_j) = 0. A shift of
+a_j changes the integrals by w_j(a_j) da_j, which vanishes at the solution. So the Jacobian of the
+edge values w_j(a_j) is diagonal, with the entries w_j'(a_j), and Newton's method replaces a_j by
+a_j - w_j(a_j)/w_j'(a_j) under any side condition.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -46,7 +49,7 @@ _OPTIONS = RadiusOptions()
 class Kind:
     """A kind: all spots with the same profile and depth of the tips, and their number per area.
 
-    around: the surroundings that the spots of every kind make for one of these.
+    around: for every kind, the `Surroundings` that its spots form around one spot of this kind.
     """
 
     profile: AxisymmetricProfile
@@ -63,7 +66,7 @@ class Source:
     """
 
     nodes: Array
-    weighted: Array  # 2 x weight x w: summing it gives P/E*
+    weighted: Array  # 2 x weight x w; the sum over the nodes is P/E*
     kernel: NeighbourKernel
 
     def value(self, x: Array) -> Array:
@@ -84,11 +87,14 @@ def both_sides(function: Callable[[Array], Array], x: Array, t: Array) -> Array:
 @dataclass(frozen=True)
 class Surface:
     """Effect of all other spots on the displacement under a spot, after the Abel transform.
-    It is relative to the mean plane.
+    The displacement is measured from the mean plane.
+
+    sources: the neighbours treated at their places. nominal: the others, as pairs of 2 N P/E* and
+    of the `Surroundings` with the circle outside which this nominal pressure acts.
     """
 
     sources: tuple[Source, ...]
-    nominal: tuple[tuple[float, Surroundings], ...]  # 2 N P/E* outside its circle
+    nominal: tuple[tuple[float, Surroundings], ...]
 
     def value(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
@@ -279,9 +285,9 @@ def force(kind: int, force_over_E: float) -> Condition:
 
 def closed_edge(kind: int) -> Condition:
     """The condition that w_j is 0 at the edge of a spot of kind j.
-    w_j is the transform of the displacement minus that of the profile.
+    w_j is the transform of the displacement that the spot causes under itself.
 
-    For radius 0 it says that the tip lies on the deformed surface and carries no load yet.
+    For radius 0, the condition says that the tip lies on the deformed surface and carries no load.
     """
 
     def row(linear: Linear) -> tuple[Array, float]:

@@ -1,4 +1,4 @@
-"""Scenes and values for which the formulas of this room are exact; all others are refused.
+"""Checks that refuse scenes and values for which the formulas of contact.slip are not exact.
 
 Shear and slip follow from contacts without friction under smaller loads if the bodies are alike
 (Dundurs' beta = 0), both bodies are half-planes, and the body keeps its tilt.

@@ -4,21 +4,22 @@ Under any history of the load P(t) and the tangential load Q(t), the shear is
 
     q(x) = int_0^P h(P') dp(x; P')/dP' dP',        Q = int_0^P h dP',
 
-where p(x; P') is the pressure under the load P'. h is constant on layers of the load. A straight
-segment of the history changes it in one of two ways (J. Jaeger, J. Appl. Mech. 65, 1998, 255-263;
-M. Ciavarella, Int. J. Solids Struct. 35, 1998, 2349-2362):
+where p(x; P') is the pressure under the load P'. h is constant on layers: intervals of the load. A
+straight segment of the history changes h in one of two ways (J. Jaeger, J. Appl. Mech. 65, 1998,
+255-263; M. Ciavarella, Int. J. Solids Struct. 35, 1998, 2349-2362):
 
 - If P grows and |dQ| <= mu dP, nothing slips, and the layer that is added has h = dQ/dP.
-- Otherwise h = s mu is written from the top downwards, with the sign s of what is missing in Q.
-  The zones of the load S, down to which h has been written, stick. Around them the surfaces slip.
+- Otherwise h is set to s mu from the load P down to a load S, until the integral of h is Q again. s
+  is the sign of the missing part of Q. The zones of contact under the load S stick. Around them the
+  surfaces slip.
 
-While S falls by dS, the surfaces slip outside the zones of S where |q| = mu p(x; P). That loses the
-energy
+While S falls by dS, the surfaces slip outside the zones of S where |q| = mu p(x; P). This slip
+dissipates the energy
 
     dW = mu |s mu - h(S)| [(P - S) C(S) - delta(P) + delta(S)] |dS|,
 
-with the approach delta and the compliance C = d delta / dP. It follows from the symmetry of the
-work of two contacts on each other's displacements.
+with the approach delta and the compliance C = d delta / dP. The formula follows from the symmetry
+of the work of two contacts on each other's displacements.
 """
 
 import math
@@ -122,7 +123,7 @@ class Memory:
         self.layers.append(Layer(top, h))
 
     def _advance(self, path: "_Path", steps: list[SlipStep]) -> tuple[float, float]:
-        """Follow the segment until an event happens: S or P leaves a layer, P meets S, or it ends.
+        """Follow the segment until S or P leaves a layer, P meets S, or the segment ends.
         S is the load whose zones still stick, P the load.
 
         Returns the part of the path that is done, and the load S whose zones stick.

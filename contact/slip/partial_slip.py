@@ -49,8 +49,8 @@ def partial_slip(
         Q [N/m], per period if the scene is periodic; the traction on body 1 along +x. At most
         friction times the load in size.
     bulk_stress : float
-        Tension along x in body 1 [Pa], which comes with Q. Both bodies are of one material, so
-        that its strain against body 2 is bulk_stress / (2 E*).
+        Tension along x in body 1 [Pa], applied together with Q. Both bodies are of one material,
+        so that the strain of body 1 relative to body 2 is bulk_stress / (2 E*).
     tol : float
         Largest stated error of the contact under the smaller load.
 

@@ -77,14 +77,14 @@ class Slip(sie.Kept):
     shift : float or None
         Tangential displacement of body 2 along +x against body 1, far from the contact [m]. It
         counts from the same place as the approach; None where there is no approach, and in
-        rolling. Its error is at most about 3 error friction p L / E*, with the largest pressure p
-        and the period, or the width from the first to the last zone, L.
+        rolling. Its error is at most about 3 error friction p L / E*. Here p is the largest
+        pressure, and L the period or, without a period, the width from the first to the last zone.
     error : float
         Stated bound of two relative errors: (i) the sum, over `terms`, of the errors of pressures
         at equal normalised positions in corresponding zones, times their factors, divided by
         friction times the largest pressure (the mean contact pressure where the peak is infinite);
-        (ii) that of each end of a zone that sticks, divided by the width of the zone of contact
-        around it.
+        (ii) the error of each end of a zone that sticks, divided by the width of the zone of
+        contact around it.
     terms : tuple of Term
         The pressures of which q is the sum.
     model : str
@@ -134,8 +134,8 @@ class Slip(sie.Kept):
             out = self._summed(x)
         corner = np.isnan(out)
         if corner.any():
-            # At a corner infinite terms of opposite signs meet. Their sum has the same sign as
-            # beside the corner, on the side of the zone. On the other side the sum is 0.
+            # At a corner infinite terms of opposite signs meet. Their sum at the corner has the
+            # same sign as next to the corner on the side of the zone. On the other side it is 0.
             away = 1e-9 * float(self.solution.zone_widths.min())
             beside = self._summed(x[corner] - away) + self._summed(x[corner] + away)
             out[corner] = np.copysign(np.inf, beside)
@@ -175,7 +175,8 @@ class Slip(sie.Kept):
         """Stated bound of the error of `dissipated` [J/m].
 
         The error of an approach is about error p w / E*, with the largest pressure p. The width w
-        is the period, or that from the first to the last zone. The largest such error counts.
+        is the period or, without a period, the width from the first to the last zone. The largest
+        such error of the `contacts` counts.
         """
         if self.dissipated is None:
             return None
@@ -303,6 +304,6 @@ def _approach_error(solution: Solution) -> float:
 
 
 def shear_error(solution: Solution, terms: tuple[Term, ...], friction: float) -> float:
-    """Error of the shear (the sum of `terms`), over friction times the `unit_pressure`."""
+    """Error of the shear (the sum of `terms`), divided by friction times the `unit_pressure`."""
     size = friction * unit_pressure(solution.fields)
     return float(sum(abs(t.weight) * t.error * unit_pressure(t.fields) for t in terms) / size)

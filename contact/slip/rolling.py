@@ -1,16 +1,18 @@
 r"""Steady rolling with friction: what sticks begins at the leading edge of each zone.
 
-The body's profile stands still in the frame of the contact, as that of a wheel. Then the strain of
-one surface against the other is constant where the surfaces stick, and the shear is
+The body's profile stands still in the frame of the contact, like the profile of a wheel. Then the
+strain of one surface against the other is constant where the surfaces stick, and the shear q is
 
-    |q| = mu p - q',    T q' = mu [(E*/2) f' + theta] on the zones that stick,
+    |q| = mu p - q',    T q' = mu [(E*/2) f' + theta] on the zones that stick.
 
-with the leading ends of these zones at those of the contact, and q' = 0 at both ends. The places
-of the other ends, and theta, follow. The creepage is 2 mu theta / E*, with the sign of the shear
-(F. W. Carter, Proc. R. Soc. Lond. A 112, 1926, 151-157, for one parabola). All zones share it.
+Here p is the pressure, T the transform by the kernel, f' the slope of the profile and theta a
+constant. The leading end of each zone that sticks is the leading end of a zone of contact, and
+q' = 0 at both ends of the zone that sticks. The places of the other ends, and theta, follow. The
+creepage is 2 mu theta / E*, with the sign of the shear (F. W. Carter, Proc. R. Soc. Lond. A 112,
+1926, 151-157, for one parabola). All zones share the creepage.
 
-Where the surfaces slip, the shear opposes the slip, and q' <= 2 mu p where they stick. Both are
-checked. A zone in which they fail would stick in several places, which is refused.
+Two conditions are checked: the shear opposes the slip where the surfaces slip, and q' <= 2 mu p
+where they stick. A zone in which one of them fails would stick in several places, and is refused.
 """
 
 from __future__ import annotations
@@ -192,8 +194,8 @@ class Rolling:
 
     @property
     def _creepage_unit(self) -> float:
-        """Creepage over theta, the scaled constant in the equation of stick (head of this module).
-        The shear is positive.
+        """Creepage, for a positive shear, divided by theta.
+        theta is the scaled constant in the equation of stick (head of this module).
         """
         return self.friction * self.problem.units.slope * (-1.0 if self.to_right else 1.0)
 

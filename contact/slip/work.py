@@ -1,7 +1,8 @@
 """The energy that slip loses in a step of a history, from the contacts at its ends.
 
-With the approach delta(P), the moment M(P) = int p f dx and Phi = int delta dP = (P delta + M)/2,
-the loss of `contact.slip.memory` is an integral over the load S that sticks,
+The pressure p and the profile f give the moment M(P) = int p f dx. With the approach delta(P),
+Phi = int delta dP = (P delta + M)/2. The loss of `contact.slip.memory` is an integral over the load
+S whose zones stick,
 
     W = mu change int [(P - S) C(S) - delta(P) + delta(S)] dS,
 

@@ -21,7 +21,8 @@ class StickAndSlip:
     is_nested : bool
         Whether all that sticks lies within the contact, up to the stated errors.
     largest : float
-        Largest width of an interval that sticks, divided by that of the zone of contact around it.
+        Largest ratio of the width of an interval that sticks to the width of the zone of contact
+        around it.
     """
 
     stick: Array

@@ -2,8 +2,9 @@
 
 The pressure is sampled in every zone after division by sqrt(1 - t^2), so that it is positive up to
 the ends. The gap is sampled between the zones, more closely near their ends, and its minima are
-followed between samples. Next to an end the gap is (4 A / 3) d^(3/2) / (E*/2), with A the edge
-slope of the pressure: there its sign is that of A.
+followed between samples. At a small distance d outside an end the gap is (4 A / 3) d^(3/2) /
+(E*/2). The edge slope A is the coefficient of sqrt(d) in the pressure inside the end. So the gap
+next to the end has the sign of A.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ class Certificate:
     smallest_overlap: least overlap of the surfaces on plateaus [m]; None without plateaus.
 
     intensity: largest relative error of the intensity at an end. stability: least eigenvalue of the
-    second variation of the energy by motions of the ends under the given control. It is divided by
+    second variation of the energy for motions of the ends under the given control. It is divided by
     twice the work of adhesion and scaled by the square roots of the zones' widths. It is positive
     if the contact is locally stable, and infinite if all ends are fixed at sharp corners. Both,
     intensity and stability, are None under laws with one equilibrium.
@@ -122,9 +123,9 @@ def _allowed_gap(fields: ZoneFields) -> float:
 class Openings(NamedTuple):
     """The results of sampling the scaled gap outside the zones.
 
-    least: smallest gap. overlaps: intervals where it is negative (n, 2). rounding: effect of
-    rounding on it. points: number of samples. lowest: its minima. on_zones: size of the computed
-    gap on the zones, where the exact one is zero.
+    least: smallest gap. overlaps: intervals where the gap is negative (n, 2). rounding: effect of
+    rounding on the gap. points: number of samples. lowest: minima of the gap. on_zones: size of the
+    computed gap on the zones, where the exact gap is zero.
     """
 
     least: float | None
@@ -218,10 +219,10 @@ def certify(
 
 
 def least_minimum(least: float, minima: Array) -> float:
-    """The least of the minima of a gap between its ends; 0 if there is none, and it is positive.
+    """The least minimum of the gap between its ends; 0 for a positive gap without a minimum.
 
-    At the ends of zones every gap is zero. So the least sample `least` of the gap only tells how
-    near to an end samples lie, unless it is negative. minima: see `lowest`.
+    At the ends of zones every gap is zero. So the least sample `least` of a positive gap only shows
+    how near to an end the samples lie. minima: see `lowest`.
     """
     if least <= 0.0:
         return least

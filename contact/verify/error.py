@@ -34,7 +34,7 @@ class SolvedZones(Solved):
     """Contact zones that passed the certificate, with their stated error.
 
     control_error: errors of the ends, divided by the width of their zones, that the error of the
-    control may cause. rounded: whether rounding keeps them from being smaller.
+    control may cause. rounded: whether round-off prevents smaller errors of the ends.
     """
 
     fields: ZoneFields
@@ -85,8 +85,9 @@ class SolvedZones(Solved):
     def _density_error(self) -> float:
         """Error of the pressure at fixed normalised positions in the zones.
 
-        At equal normalised position on a narrow rim the pressure is the same, wherever the rim is
-        and however wide. An error of its level only moves the rim.
+        Narrow rims are left out. On such a rim (a zone between two different end values) the
+        pressure at equal normalised position does not depend on the place and width of the rim. An
+        error of the level of the pressure only moves the rim.
         """
         state, narrow = self.fields.state, self.free.narrow_rims
         if not narrow.any():
@@ -115,9 +116,10 @@ def _bent_rims(found: SolvedZones) -> tuple[Array, Array]:
     """Errors of places (Z, 1) and of the pressure (Z,) that the widths of narrow rims cause.
     A rim is a zone between two different end values of the density.
 
-    On a narrow rim the pressure passes evenly from one value to the other, up to a difference that
-    is proportional to the width. The true width may be less than that of the zone (`Zones.depth`),
-    or have an error. The charge of the difference moves the rim by its share of the width.
+    On a narrow rim the pressure is a linear function of the angle arccos(t), from one end value to
+    the other, plus a difference that is proportional to the width. The true width may be less than
+    the width of the zone (`Zones.depth`), or have an error. The force of the difference moves the
+    rim by a share of its width.
     """
     density, scales = found.fields.state.density, found.free.end_scales
     zones, none = density.zones, np.zeros(len(density.zones))

@@ -177,9 +177,10 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """Intervals of gaps at concave kinks that the solution lacks, and number of unresolved gaps.
+    """(intervals of the gaps that the solution lacks, number of unresolved gaps).
 
-    Unresolved gaps are narrower than `TOLERANCES.narrowest_gap` periods.
+    There must be a gap at every concave kink. Unresolved gaps are narrower than
+    `TOLERANCES.narrowest_gap` periods.
     """
     relief = fields.relief
     kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])

@@ -99,9 +99,10 @@ def zoomed(
     arrays (k,) to be reduced to the rows that remain. Returns the lower and upper ends of the
     brackets, and the others.
 
-    A bracket is left out if the parabola through its samples does not fall below the rounding. It
-    is also left out if more than one sample is below it: they show how wide the interval of wrong
-    signs is. A single one may stand for an interval much narrower than the spacing.
+    A bracket is left out if the parabola through its samples does not fall below -rounding. It is
+    also left out if several samples of its row are below -rounding: these samples show how wide the
+    interval of wrong signs is. A single such sample may stand for an interval much narrower than
+    the spacing.
     """
     each, best = np.arange(len(value)), np.clip(np.argmin(value, axis=1), 1, value.shape[1] - 2)
     before, here, after = (value[each, best + k] for k in (-1, 0, 1))

@@ -129,7 +129,7 @@ class DensityBase(Kept):
     def into_period(self, x: Array) -> Array:
         """x moved by whole periods to within half a period of the middle of all zones.
 
-        For these places the kernel's poles are the nearest images.
+        For points x there, the poles of the kernel stand for the nearest images of the zones.
         """
         return nearest_image(x, 0.5 * (self.zones.a[0] + self.zones.b[-1]), self.kernel.period)
 
@@ -165,10 +165,11 @@ class DensityBase(Kept):
     def potential(self, x: ArrayLike) -> NDArray[Any]:
         """Potential (1/pi) int phi(xi) Lambda(x, xi) dxi of the density phi at any x.
 
-        Lambda is the potential of the kernel. x has any shape. At complex x it is the complex
-        potential W with W' = F, whose real part is the harmonic function that equals the potential
-        on the line. W is analytic in either half plane, W(conj x) = conj W(x), and W is real on the
-        line right of all zones (with a period: between the last zone and the next).
+        Lambda is the potential of the kernel. x has any shape. At complex x the result is the
+        complex potential W, whose derivative is the transform. The real part of W is the harmonic
+        function that equals the potential on the line. W is analytic in either half plane,
+        W(conj x) = conj W(x), and W is real on the line right of all zones (with a period: between
+        the last zone and the next).
         """
         if np.iscomplexobj(x):
             return self._in_plane(x, "potential")

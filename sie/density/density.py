@@ -43,7 +43,8 @@ class Density(Series):
     bounded_ends : bool
         Whether round-off traces of 1/sqrt(d) at free ends are removed, see `with_bounded_ends`.
     edges : tuple or None
-        (alpha, beta) of `singular`, if they differ from those of the coefficients.
+        (alpha, beta) of the unbounded part `singular`, if they differ from those that follow from
+        the coefficients.
 
     Examples
     --------
@@ -126,7 +127,8 @@ class Density(Series):
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
         """(whether x lies in a slit, integral of the slit's unknown from its left end to x).
-        A slit is a narrow gap treated as part of a wide zone; its unknown is g minus the transform.
+        A slit is a narrow gap treated as part of a wide zone; its unknown is the right side minus
+        the transform.
 
         This density has no slits: false and zero everywhere.
         """

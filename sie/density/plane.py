@@ -3,13 +3,14 @@ r"""The transform of a density, its derivative, and the potential at complex poi
     F(z) = (1/pi) int phi K(z - xi) dxi,      F'(z),
     W(z) = (1/pi) int phi Lambda(z - xi) dxi,   W' = F.
 
-F is analytic off the zones. On their upper side it is the transform on the line minus i phi (J.
-Plemelj, Monatsh. Math. Phys. 19, 1908, 205-210). Everything is computed in the closed upper half
-plane; phi is real, so that the lower half plane has the conjugate values.
+phi(xi) is the density, K the kernel and Lambda the potential of the kernel. F is analytic off the
+zones. On the upper side of the zones, F is the transform on the line minus i phi (J. Plemelj,
+Monatsh. Math. Phys. 19, 1908, 205-210). Everything is computed in the closed upper half plane. The
+density is real, so that the lower half plane has the conjugate values.
 
 The series on zones are summed by powers of rho (see `sie.basis.interval`). The closed forms of a
-jump at s = cos(phi) (see `sie.jumps`) contain A = 1 - rho e^(i phi) and B = 1 - rho e^(-i phi),
-with
+jump at s = cos(phi), with an angle phi (see `sie.jumps`), contain A = 1 - rho e^(i phi) and
+B = 1 - rho e^(-i phi). With p = sqrt(zeta + 1) and m = sqrt(zeta - 1),
 
     B = 2 e^(-i phi/2) (cos(phi/2) m + i sin(phi/2) p) / (p + m),     A B = 2 rho (zeta - s),
     sum (2/j) rho^j sin(j phi) = -i log(B / A),      log(1 - 2 rho cos(phi) + rho^2) = log(A B).
@@ -201,8 +202,8 @@ class Plane:
     def _central_nodes(self) -> list[tuple[Array, Array]]:
         """Nodes on the interval that spans all zones, and weights that represent the density there.
 
-        The weights reproduce its first moments, which is enough if the regular part is smooth over
-        a period.
+        The weights reproduce the first moments of the density, which is enough if the kernel's
+        regular part is smooth over a period.
         """
         tree, half = self.nested.tree, self.nested.tree.half[0]
         xi = 0.5 * (tree.lo[0] + tree.hi[0]) + half * chebyshev.gauss(TERMS)
@@ -232,7 +233,8 @@ def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Comple
     """Field of the density that jumps of the right side in a zone cause, close to the zone.
 
     k: indices of the jumps. The derivative is multiplied by the half width w. The potential is
-    divided by w and lacks the term c_0 log(w), where c_0 is the jumps' coefficient of T_0 / X.
+    divided by w and lacks the term c_0 log(w), where c_0 is the coefficient of T_0 / sqrt(1 - t^2)
+    in this density.
     """
     if len(k) == 0:
         return np.zeros(seen.left.shape, dtype=complex)

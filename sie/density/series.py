@@ -139,8 +139,8 @@ class Series(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A of the density at both ends of each zone, coefficients of sqrt(distance).
-        The distance is that from the end.
+        """Edge slopes A of the density at both ends of each zone.
+        A is the coefficient of sqrt(d) in the density at the distance d from the end.
         """
         left, right = interval.edge_slopes(
             *self.singular, *chebyshev.slopes_at_ends(self.coefficients), self.zones.half
@@ -165,7 +165,10 @@ class Series(DensityBase):
         the moved end gains a part K / sqrt(d), and the density on the new zone lacks this part. At
         equal t = cos(theta), a motion of the right end by eps widths changes the density by
 
-            eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
+            -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)),    phi_theta = d phi / d theta,
+
+        with the density phi. The first term is eps (1 + t) phi'(t), the second is due to the part
+        K / sqrt(d).
         """
         none, out = np.zeros(len(self.zones)), np.zeros((3, len(self.zones)))
         bounded, counts = (
@@ -306,10 +309,8 @@ class Series(DensityBase):
 
     @cached_property
     def sharp_totals(self) -> Array:
-        """Coefficient (Z,) of T_0 / sqrt(1 - t^2) in the density of some of the jumps.
-        They are those whose potential is a closed form.
-
-        See `ForcingJumps.sharp_potential`.
+        """Coefficient (Z,) of T_0 / sqrt(1 - t^2) in the part of the density due to some jumps.
+        These are the jumps whose potential is a closed form, see `ForcingJumps.sharp_potential`.
         """
         high = self.jumps.high_coefficients(self.zones)[:, :1]
         return np.asarray(self.jumps.t_coefficients(self.zones, 1)[:, 0] - high.sum(axis=1))
@@ -433,7 +434,7 @@ def moments_of(
 ) -> Array:
     """Moments of a density on the panels of the kernel's regular part.
 
-    table: T coefficients of the density without jumps, as in `quadrature`.
+    table: coefficients of T_k / sqrt(1 - t^2) in the density without jumps, as in `quadrature`.
     """
     nodes, weights = (
         np.concatenate(parts)
@@ -448,8 +449,8 @@ def quadrature(
     """Quadrature nodes, and weights times density, for integrals with the kernel's regular part.
     The result is a list of pairs (nodes, weights times density).
 
-    There is one pair for all zones with the same number of nodes. table: T coefficients (zones, n +
-    1) of the density without jumps.
+    There is one pair for all zones with the same number of nodes. table: coefficients (zones,
+    n + 1) of T_k / sqrt(1 - t^2) in the density without jumps.
     """
     m, panels = table.shape[1] - 1, panels_over(kernel, zones)
     sizes = (

@@ -1,7 +1,8 @@
 r"""Jumps of the density or of its derivatives inside the zones, in closed form.
 
-Where the wanted density is known to jump, the right side has a logarithm. With t = cos(theta), s =
-cos(phi) and
+Where the wanted density is known to jump, the right side has a logarithm. Positions are in half
+widths w from the middle of a zone: t = cos(theta) of a point on the zone, z of a point off it, and
+s = cos(phi) of the jump. For a point z, rho = z - sgn(z) sqrt(z^2 - 1). With
 
     eta(t) = theta/pi  (t > s),   theta/pi - 1  (t < s)
            = -(2/pi) sum_j (1/j) cos(j phi) sin(j theta),
@@ -13,10 +14,11 @@ has the transform
     (h/pi) ((z - s)^q ln(1 - 2 rho cos(phi) + rho^2) - P_q(z))      off it,
     P_0 = 0,   P_1 = -s,   P_2 = -(t - 2 s) s - cos(2 phi)/4 = -s t + 3 s^2/2 + 1/4.
 
-P_q follows from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of eta. Where the q-th
-derivative of the density jumps by J, h = J w^q / q!, the right side is smooth once this is
-subtracted. If the density is the slope of a gap, it jumps (q = 0) at a kink of the profile. Its
-derivatives jump where the curvature jumps (q = 1) and at a knot of a cubic spline (q = 2).
+P_q follows from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of eta, with tau the
+variable of integration. Where the q-th derivative of the density jumps by J, the right side is
+smooth once this transform, with h = J w^q / q!, is subtracted. If the density is the slope of a
+gap, it jumps (q = 0) at a kink of the profile. Its derivatives jump where the curvature jumps
+(q = 1) and at a knot of a cubic spline (q = 2).
 
 For q = 0 the caller omits (J/pi) Lambda(x, s) from the values of the right side, with Lambda the
 kernel's potential. `sie.jumps.logarithms` adds it. Logarithms outside a zone but close to it are
@@ -51,7 +53,7 @@ _POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 class DensityJumps(ForcingJumps):
     """Jumps J of the density's q-th derivatives, stored as J w^q / q! with the half width w.
 
-    logarithms: terms of the right side by all jumps of order 0, inside zones or not.
+    logarithms: terms of the right side that the jumps of order 0 cause, inside zones or not.
     """
 
     @classmethod
@@ -64,7 +66,7 @@ class DensityJumps(ForcingJumps):
         kernel: Kernel,
         spline: Callable[[Array], Array] | None = None,
     ) -> "DensityJumps":
-        """The jumps at positions `at`, repeated with the kernel's period, that are in a zone.
+        """The jumps that lie in a zone. Their positions `at` repeat with the kernel's period.
 
         spline: a quadratic spline with the jumps of order 2, if there is one.
         """
@@ -112,7 +114,8 @@ class DensityJumps(ForcingJumps):
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
         """Integral of each jump's density from the left end, divided by half width * height / pi.
 
-        It is integrated from the end on the same side of s. For t > s,
+        It follows from the integral between the point t and the end that lies on the same side of
+        the jump s as t. For t > s, this integral is
 
             int_t^1 (tau - s)^q eta dtau = (1/pi) int_0^theta (cos a - s)^q a sin(a) da.
         """
@@ -220,8 +223,8 @@ class DensityJumps(ForcingJumps):
         return self.summed(zone, lambda at, k: self.of_density(k, left[at], right[at]))
 
     def shape(self, k: Index, left: Array, right: Array) -> Array:
-        """The factor eta of a density (t - s)^q eta with a jump at s, at points t = cos(theta).
-        eta is theta for t > s and theta - pi for t < s.
+        """pi times the factor eta of a density (t - s)^q eta with a jump at s, at t = cos(theta).
+        The result is theta for t > s and theta - pi for t < s.
         """
         away, from_right, from_left = left - self.left[k], theta(left, right), theta(right, left)
         return np.where(
@@ -236,9 +239,9 @@ class DensityJumps(ForcingJumps):
         it is
 
             (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz
-            + C_q.
+            + C_q,
 
-        On the zone R = g = 0.
+        with a constant C_q. On the zone R = g = 0. parts: z - s, z, L, g and R.
         """
         away, z, turn, grown, root = parts
         s, g = self.s[k], grown

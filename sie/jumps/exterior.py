@@ -1,6 +1,7 @@
 r"""Logarithms of the right side just outside a zone, in closed form.
 
-With s > 1 or s < -1 and rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, the bounded density
+The logarithm stands at s, in half widths from the middle of the zone, with s > 1 or s < -1. With
+rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, and t = cos(theta), the bounded density
 
     beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta)
             = -(2/pi) atan2(rho sin(theta), 1 - rho cos(theta))
@@ -99,9 +100,10 @@ class ExteriorLogarithms(PerZone):
     def mean_offsets(self, count: int) -> Array:
         """Contribution of nearby logarithms to the mean of the right side's primitive on each zone.
 
-        It is divided by the half width. The transform -2 w sum rho^j T_j / j of each has a
-        primitive with values of opposite sign at both ends; its mean over theta is
-        -2 w (-rho / 4 + sum rho^j / (j (j^2 - 1)), j = 3, 5, ...).
+        It is divided by the half width. Each logarithm, with the weight v = J/pi, adds the
+        transform -2 v sum rho^j T_j / j. The primitive of this transform that has values of
+        opposite sign at both ends has the mean over theta
+        -2 v (-rho / 4 + sum rho^j / (j (j^2 - 1)), j = 3, 5, ...).
         """
         rho = self.rho
         # The sum of rho^j / (j (j^2 - 1)) over j = 3, 5, ... is rho E / 2 + E / (2 rho) -
@@ -163,7 +165,7 @@ class ExteriorLogarithms(PerZone):
         """Integral, from the zone's left end, of the density that nearby logarithms cause.
         It is divided by the half width of the zone.
 
-        It is the integral over the whole zone minus that from the point to the right end.
+        It is the integral over the whole zone minus the integral from the point to the right end.
         """
         angle = theta(left, right)
 
@@ -200,8 +202,9 @@ class ExteriorLogarithms(PerZone):
         rho is x - sgn(x) sqrt(x^2 - 1) of the position x of the logarithm, and rho_z the same for
         the point z, both in half widths from the middle of the zone.
 
-        Close to the right end 1 - rho rho_z = (1 - rho_z) + rho_z (1 - rho) does not cancel. For
-        rho < 0 the left end takes its place, with 1 + rho_z.
+        For rho > 0 it is computed as (1 - rho_z) + rho_z (1 - rho), which does not cancel close to
+        the right end; for rho < 0 as (1 + rho_z) - rho_z (1 + rho), which does not cancel close to
+        the left end.
         """
         rho, z = self.rho[k], seen.rho[:, None]
         from_left, from_right = (part[:, None] for part in seen.from_ends)

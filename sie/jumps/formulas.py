@@ -261,8 +261,9 @@ class PlacedJumps(PerZone):
 def kappa(up: Array, vp: Array, away: Array) -> Array:
     """log(sin((theta + phi)/2) / |sin((theta - phi)/2)|) at t = cos(theta), with s = cos(phi).
 
-    The sum and difference of up and vp are 2 sin((theta +- phi)/2); away = t - s. The product of
-    these two sines is (s - t)/2, which away gives without cancellation.
+    up is sqrt((1 - t) (1 + s)), vp is sqrt((1 + t) (1 - s)) and away is t - s. The sum and the
+    difference of up and vp are 2 sin((theta +- phi)/2). The product of these two sines is
+    (s - t)/2, which away gives without cancellation.
     """
     small, large = np.minimum(up, vp), np.maximum(up, vp)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -237,7 +237,10 @@ class Logarithms(Kept):
 
     @cached_property
     def _sums_on_zones(self) -> PlateauSums:
-        """Fast sums over the plateaus at points on zones; the cells are the zones."""
+        """Fast sums over the plateaus at points on zones.
+
+        The cells of `PlateauSums`, each with one Chebyshev series, are the zones.
+        """
         return self._sums_on(self.zones.a, self.zones.b)
 
     @cached_property
@@ -277,8 +280,9 @@ class Logarithms(Kept):
 
     @cached_property
     def _singular(self) -> tuple[Index, Array, Array]:
-        """Logarithms in or near a zone: (numbers of pairs, places of logarithms, omitted terms).
-        The pair of zone i and term k has the number i n + k, with the number n of all terms.
+        """Logarithms near a zone: (numbers of pairs, places of logarithms, what is left of terms).
+        The pair of zone i and term k has the number i n + k, with the number n of all terms. Left
+        of a term is the constant ln(|x - s| / datum) - ln(2 |rho| |t - s|), see `on_zones`.
         """
         near, zones, count = self.near, self.zones, len(self.at)
         number = near.zone * count + near.which

@@ -16,13 +16,15 @@ Rev. 56, 2014, 385-458). Poles with eta above the half width are omitted: their 
 the zone, and its modes represent it. The transform on the line maps c_k to i c_k, which gives the
 algebraic points of the wanted density.
 
-With t = (x - middle)/w, z a pole in t, rho = z - (z^2 - 1)^(1/2) and q = -2 c / (z^2 - 1)^(1/2),
-the density of a pole, its transform off the zone, and its potential there without c_0 log(w) are
+Let t = (x - middle)/w be the position of a point x in half widths w, z the position of a pole, and
+rho = z - (z^2 - 1)^(1/2), q = -2 c / (z^2 - 1)^(1/2). For a point off the zone, rho_x is rho with t
+in place of z. The density of a pole, its transform off the zone, and its potential off the zone
+without the term c_0 log(w) are
 
     Re (q/2) (1 - t^2)^(1/2) / (z - t),     Re q rho rho_x / (1 - rho rho_x),
     Re (q/2) ((rho - 1/rho) log(1 - rho rho_x) - rho_x - rho log(2 |rho_x|)).
 
-On the zone the transform is Re c / (t - z) less its mean Re q/2.
+On the zone the transform is Re c / (t - z), minus its mean Re q/2.
 """
 
 from collections.abc import Callable, Iterator
@@ -150,9 +152,9 @@ class Poles(PerZone):
     """Poles whose sum represents the powers |x - s|^p of the right side in or near zones.
 
     All lengths are in half widths of the zone. zone: zone of each pole; left, right: distances of
-    its point from the zone's ends; away: distance eta of the pole from the line; size: coefficient
-    c, divided by the half width. points: for each point inside a zone (zone, distance from its left
-    end, least exponent, density of the omitted poles there).
+    the point s from the zone's ends; away: distance eta of the pole from the line; size:
+    coefficient c of the pole, divided by the half width. points: for each point s inside a zone,
+    (zone, distance from the zone's left end, least exponent p, density of the omitted poles at s).
     """
 
     zone: Index

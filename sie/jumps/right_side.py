@@ -1,6 +1,7 @@
 """Jumps of the right side or of its derivatives inside the zones, in closed form.
 
-With t = cos(theta), s = cos(phi) and
+Positions are in half widths w from the middle of a zone: t = cos(theta) of a point on the zone, z
+of a point off it, and s = cos(phi) of a jump. For a point z, rho = z - sgn(z) sqrt(z^2 - 1). With
 
     kappa(t) = ln|sin((theta + phi)/2) / sin((theta - phi)/2)|
              = sum_j (2/j) sin(j phi) sin(j theta),
@@ -11,10 +12,10 @@ the density (h/pi) (t - s)^q kappa(t) has the transform, on the zone and off it,
     (h/pi) ((z - s)^q 2 Im(-ln(1 - rho e^{i phi})) - P_q(z)),
     P_0 = 0,   P_1 = sin(phi),   P_2 = (t - 2 s) sin(phi) + sin(2 phi)/4.
 
-P_q follows from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. The potentials
-follow from integration by parts. Off the zone let F = 2 Im(-ln(1 - rho e^{i phi})), an angle with
-dF/dz = -sin(phi) / ((z - s) |z^2 - 1|^(1/2)) sgn(z). On the zone let F = pi - phi right of s, and
--phi left of it. Then the potentials are
+P_q follows from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa, with tau the
+variable of integration. The potentials follow from integration by parts. Off the zone let F be the
+angle 2 Im(-ln(1 - rho e^{i phi})), with dF/dz = -sin(phi) / ((z - s) |z^2 - 1|^(1/2)) sgn(z). On
+the zone let F = pi - phi right of s, and -phi left of s. Then the potentials are
 
     (h/pi) ((z - s)^{q+1} F/(q+1) + sin(phi) R_q) + c_0 ln(w),
     A = arcosh|z|, B = sgn(z) (z^2 - 1)^(1/2), both zero on the zone,
@@ -22,9 +23,9 @@ dF/dz = -sin(phi) / ((z - s) |z^2 - 1|^(1/2)) sgn(z). On the zone let F = pi - p
     R_2 = (A/2 + s^2 A + B z/2 - 2 s B)/3 - z^2/2 + 3 s z/2 + sin(phi)^2/9 - s^2/2 - 1/12
           - ln(2) (sin(phi)^2/6 + s^2/2).
 
-Where the q-th derivative of the right side g jumps by J, h = J w^q / q! with the half width w of
-the zone. Once the transform of these densities is subtracted, the right side is smooth. If g is the
-slope of a profile, q = 0 is a kink, q = 1 a jump of the curvature, q = 2 a knot of a cubic spline.
+Where the q-th derivative of the right side g jumps by J, h is J w^q / q!. Once the transform of
+these densities is subtracted, the right side is smooth. If g is the slope of a profile, q = 0 is a
+kink, q = 1 a jump of the curvature, q = 2 a knot of a cubic spline.
 
 The jumps, splines, poles and nearby logarithms of a zone are its closed-form parts.
 """
@@ -91,7 +92,8 @@ class ForcingJumps(PlacedJumps):
     ) -> "ForcingJumps":
         """The jumps at positions `at` (repeated with the period) that lie inside a zone.
 
-        g: the right side, if known; very many jumps of it become a spline.
+        g: the right side, if known. Then a spline replaces the jumps of its second derivative in
+        zones with very many of them.
         """
         found = cls.placed(zones, at, jumps, orders, period) if len(at) else _NONE
         return (
@@ -373,7 +375,7 @@ class ForcingJumps(PlacedJumps):
 
     @cached_property
     def _length(self) -> Index:
-        """For each zone, which entry of `JumpOptions.far_rho` and `JumpOptions.far_terms` holds.
+        """For each zone, the index of its entry in `JumpOptions.far_rho` and `far_terms`.
         The entry depends on the number of jumps in the zone. Where |rho| is below this `far_rho`,
         one series replaces the closed forms of the zone's jumps.
         """

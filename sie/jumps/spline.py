@@ -1,13 +1,14 @@
 r"""Quadratic splines inside one zone, in place of hundreds of truncated powers.
 
-The truncated powers of n jumps of a second derivative grow to n^2 times their sum. So their sum
-loses as many digits. This module evaluates a spline f with these jumps piece by piece instead.
+The truncated powers of n jumps of a second derivative grow to n^2 times their sum, so that the
+relative round-off of the sum grows by the factor n^2. This module evaluates a spline f with these
+jumps piece by piece instead.
 
 `QuadraticSpline` is a spline f that is a part of the density itself. It is a sum of B-splines,
 sum_j d_j B_j, each three pieces wide. With u, v the inner knots of B_j, the coefficient is the
 blossom d_j = 2 f((u + v)/2) - (f(u) + f(v))/2 (L. Ramshaw, Comput. Aided Geom. Des. 6 (1989)
-323-358). The sum of the B-splines inside the zone is nowhere larger than f. It has all jumps of f
-but those at the first three and the last three knots.
+323-358). The sum of the B-splines inside the zone is nowhere larger than f. It has the jumps of f
+at all knots except the first three and the last three.
 
 `ConjugateSpline` is the density, bounded at both ends, whose transform is a spline g less its mean
 over theta. With t = cos(theta) it is the conjugate of g(cos(theta)),
@@ -21,10 +22,10 @@ zone the transform and the potential of this density are
     (2/pi) int g rho (cos(phi) - rho) / |1 - rho e^(i phi)|^2 dphi,
     (2/pi) int g sin(phi) arg(1 / (1 - rho e^(i phi))) dphi - rho g_0 - c_0 ln(2 |rho|),
 
-with g_0, c_0 the means of g and g cos(phi). As functions of phi, the other factors are singular at
-the ends of the zone only. Panels that double in length away from the ends resolve them. On each
-panel g enters through a few moments. So the integrals are sums over some hundred nodes, whatever
-the number of knots.
+with g_0 the mean over phi of g, and c_0 that of g cos(phi). As functions of phi, the factors of g
+in these integrals are singular at the ends of the zone only. Panels that double in length away from
+the ends resolve these factors. On each panel g enters through a few moments. So the integrals are
+sums over some hundred nodes, whatever the number of knots.
 
 Positions are distances from the zone's left end, in half widths.
 """
@@ -257,7 +258,7 @@ class QuadraticSpline(Kept):
 
     @cached_property
     def _close(self) -> PiecewiseTransform:
-        """The transform on and near the spline's interval, from Chebyshev series on cells."""
+        """The transform on and near the spline's interval: Chebyshev series on short intervals."""
         lo, hi = self._reach
         first, last = np.diff(self.knots)[[0, -1], None] * (2.0 ** np.arange(1, 60) - 1)
         before = self.knots[0] - first[first < 0.75 * (self.knots[0] - lo)]
@@ -317,9 +318,10 @@ class ConjugateSpline(Kept):
         """Spline that replaces all jumps of g'', and one added jump; None if `jumps` do not fit g.
         The result is (spline, zeros, position and height of the added jump).
 
-        The zeros stand for the jumps that remain without the spline: none. The spline is g minus a
-        function of two quadratic pieces that has the values and slopes of g at both ends. The added
-        jump is that of this function's second derivative where the two pieces meet.
+        The zeros are the heights of the given jumps after the spline is subtracted: no jump
+        remains. The spline is g minus a function of two quadratic pieces that has the values and
+        slopes of g at both ends. The added jump is the jump of this function's second derivative
+        where the two pieces meet.
         """
         left = np.zeros_like(jumps)
         inner = np.minimum(knots, 2 - knots) > HALF_DIGITS
@@ -448,7 +450,7 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
-        """Chebyshev series of the density's analytic part, on cells in the angle theta.
+        """Chebyshev series of the density's analytic part, on cells (intervals of the angle theta).
         The result is (ends of the cells, coefficients on the cells).
         """
         cuts = self._cuts[1:-1]
@@ -585,9 +587,11 @@ class ConjugateSpline(Kept):
 
 
 def _graded(first: float, last: float) -> Array:
-    """Panel ends that cover (0, pi); panel lengths double inwards from `first` and `last`.
+    """Ends of panels that cover (0, pi), which are shorter towards 0 and pi.
 
-    No inner panel is longer than its distance from 0 and from pi.
+    The first panel has the length `first`, and the last one the length `last`. Towards
+    the middle of (0, pi), the lengths double. No inner panel is longer than its distance from 0 and
+    from pi.
     """
     middle = 0.5 * np.pi
     low, high = (size * 2.0 ** np.arange(60) for size in (first, last))

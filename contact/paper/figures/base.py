@@ -105,7 +105,7 @@ def pressures(solution: Solution | None, x: Array) -> Array:
 
 
 def curve(axes: Any, x: Array, y: Array, model: str, label: str | None = None) -> None:
-    """Draw y over x in the line style of a model."""
+    """Draw y against x in the line style of a model."""
     axes.plot(x, y, label=label, **STYLE[model])
 
 
