@@ -92,8 +92,8 @@ class Problem:
             if isinstance(wanted, StressObjective):
                 some = found
                 if wanted.strength is not None:
-                    # First yield does not depend on the control. Its search begins where that of
-                    # the last design ended.
+                    # First yield does not depend on the control. The search for first yield begins
+                    # at the value of the control at which the last design yields first.
                     some = found[:1]
                     if self._yields_at is not None:
                         some = (self._solved(scene.under(name, self._yields_at)),)

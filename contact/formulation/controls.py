@@ -37,8 +37,8 @@ Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
 class Control:
     """A controlled quantity, such as the load, with its given value in scaled variables.
 
-    Of the members `load`, `approach`, `half_width` and `width`, the controlled one is the value,
-    the others are None.
+    The member that is named like the controlled quantity (`load`, `approach`, `half_width` or
+    `width`) is the value. The other three members are None.
     """
 
     value: float

@@ -25,8 +25,8 @@ def elastic_energy(fields: Fields) -> float | None:
     """Elastic energy [J/m]: half of int pressure * displacement dx.
     It is None if the approach is undefined.
 
-    The energy is taken per period if there is one. It is also None for the strip of a localized
-    model, which is only a part of the body.
+    The energy is taken per period if there is one. The result is also None for the strip of a
+    localized model, which is only a part of the body.
     """
     if isinstance(fields, ApartFields):
         return 0.0

@@ -349,7 +349,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
         return raised + self._sheared(x, self.density) if self.problem.kappa else raised
 
     def _sheared(self, x: Array, density: sie.AnyDensity) -> Array:
-        """Scaled displacement by shear, without the part that grows with the mean pressure.
+        """Scaled displacement due to shear, without the part that grows with the mean pressure.
         `_with_columns` adds this part.
         """
         place, zone, inside = density.locate(x)
@@ -595,7 +595,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
     @cached_property
     def _sampled(self) -> tuple[Array, float]:
-        """Upper bounds (Z,) of the scaled pressure on zones by samples, and the highest sample."""
+        """(upper bounds (Z,) of the scaled pressure on zones from samples, the highest sample)."""
         density = self.density
         counts, reach, peak = density.sampling, np.empty(len(density.zones)), -np.inf
         for n in np.unique(counts):

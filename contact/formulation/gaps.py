@@ -258,7 +258,7 @@ class GapFields(NoPlateaus, sie.Kept):
     def samples(self) -> tuple[Array, Array]:
         """Evenly spaced places over a period starting at the first gap, and the pressure there.
 
-        Their spacing is smaller than the length on which the profile varies.
+        The spacing of the places is smaller than the length on which the profile varies.
         """
         x, relief = self.relief.samples
         start = self.gap_slope.zones.a[0]

@@ -174,9 +174,9 @@ class Problem(sie.Kept):
                 rounding=profile.slope_rounding / units.slope,
             ),
         )
-        # With a given amplitude, the displacement by the pressure outside the strip is part of the
-        # right side. Near the border of the strip this displacement varies over arbitrarily short
-        # lengths. So no shortest length is stated.
+        # With a given amplitude, the displacement due to the pressure outside the strip is part of
+        # the right side. Near the border of the strip this displacement varies over arbitrarily
+        # short lengths. So no shortest length is stated.
         if not self.amplitude:
             return whole
         return replace(
@@ -220,7 +220,7 @@ class Problem(sie.Kept):
 
     def shape(self, x: Array) -> Array:
         """Scaled profile F = (f - min f) / unit of height, plus the displacement `raised` if any.
-        The displacement is that by a given pressure outside the localized model's strip.
+        A given pressure outside the localized model's strip causes this displacement.
         """
         shape = self._profile_shape(x)
         return shape + self.raised(x) if self.amplitude else shape
@@ -280,7 +280,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def compression(self) -> float:
-        """Scaled displacement by unit uniform pressure; 0 if the substrate has no `compression`."""
+        """Scaled displacement under the uniform pressure 1; 0 if the substrate gives none."""
         return (self.operator.compression or 0.0) / self.units.length
 
     def bearing(

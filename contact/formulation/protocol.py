@@ -78,7 +78,7 @@ class Fields(Protocol):
 
     @property
     def levels(self) -> Array:
-        """Minus the scaled approach, computed at each zone. The values differ only by errors."""
+        """Minus the scaled approach, computed at each zone; the values differ by errors only."""
 
     def end_remainders(self, table: Array, order: Index) -> Array | None:
         """Exact ends of zones minus the ends in `table`, which are rounded [m]; None if unknown.

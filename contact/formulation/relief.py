@@ -165,7 +165,7 @@ class ScaledRelief(sie.Kept):
         """Evenly spaced places over a period, and the relief R at these places.
         Both are computed once for all loads.
 
-        Their spacing is smaller than the length on which the profile varies.
+        The spacing of the places is smaller than the length on which the profile varies.
         """
         n = int(
             np.clip(
@@ -205,8 +205,8 @@ def harmonics(profile: Profile, count: int) -> Complex:
 
     f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, with the height f and the period l.
 
-    They are integrated by Gauss-Legendre panels between breakpoints, no longer than the resolution
-    and the shortest wave.
+    The integral is computed by Gauss's rule on panels between breakpoints. The number of panels
+    follows from the profile's resolution and from the shortest wave.
     """
     x, turns, weights = over_period(profile, 2 * count)
     heights = np.asarray(profile.height(x), dtype=np.float64)

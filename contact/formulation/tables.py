@@ -58,7 +58,7 @@ def gaps_between(table: Array, period: float | None) -> Array:
 
 
 def room_beside(table: Array, period: float | None) -> Array:
-    """For each end (n, 2), the smaller width: that of its interval or of its adjacent gap."""
+    """For each end (n, 2), the width of its interval or of its adjacent gap, whichever is less."""
     right = np.diff(gaps_between(table, period))
     return np.minimum(np.diff(table), np.column_stack((np.roll(right, 1), right)))
 

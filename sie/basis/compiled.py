@@ -47,7 +47,7 @@ def _loaded(name: str) -> ModuleType | None:
 
 
 def threads() -> int:
-    """Number of threads: that of the usable processors, or `OMP_NUM_THREADS` if that is less."""
+    """Number of threads: one for each usable processor, but at most `OMP_NUM_THREADS`."""
     usable = (
         len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     )

@@ -246,9 +246,10 @@ class PowerJump(Kept):
 
     def transform(self, points: Points, away: Number | None = None, order: int = 0) -> Number:
         """Transform of the density (t - s)^k J_s at points zeta off the interval; k is `order`.
-        It is the density of a jump of the right side (k = 0), or of its derivatives, at s.
+        (t - s)^k J_s is the density of a jump, at s, of the right side (k = 0) or of its k-th
+        derivative.
 
-        away: zeta - s. It is needed where a point is closer to s than to both ends.
+        away: zeta - s. It is needed if a point is closer to s than to both ends.
         """
         return self._near_and_far(points, away, (order, 0))
 

@@ -104,8 +104,8 @@ class Grouped:
         """For each point, the weighted sum of a function `of` over the items in the point's zone.
 
         zone: zone of each point; weight: weight of each item. of(points, items): the summand
-        without its weight, pair by pair. In a zone with many pairs it is called with points (n, 1)
-        and all items of the zone. Its result is then used as a matrix.
+        without its weight, pair by pair. In a zone with many pairs, `of` is called with points
+        (n, 1) and all items of the zone. The result is then used as a matrix.
         """
         zone, out = self.rows(zone), np.zeros(len(zone))
         pairs = self.count * np.bincount(zone, minlength=len(self.count))

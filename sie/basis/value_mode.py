@@ -31,8 +31,8 @@ Number = NDArray[Any]
 @dataclass(frozen=True)
 class ValueMode:
     """The density with the value 1 at one end of (-1, 1) and 0 at the other.
-    Its right side kappa phi + T phi is a logarithm of the distance to the former end, plus a
-    constant.
+    Its right side kappa phi + T phi is a multiple of the logarithm of the distance from the end
+    with the value 1, plus a constant.
 
     Parameters
     ----------

@@ -320,8 +320,8 @@ def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
 
     From the middle to the end the coefficients of a jump decrease to half, and round-off does not.
     The limit is the geometric mean of both ratios.
-    Close to an end the sum of the round-off of n coefficients grows as n^1.5. It is smaller with
-    fewer coefficients from the same number of nodes.
+    Close to an end the sum of the round-off of n coefficients grows as n^1.5. This sum is smaller
+    with fewer coefficients from the same number of nodes.
     """
     for zone in zones[own[zones] >= SUMS.max_direct_terms]:
         n = int(own[zone])

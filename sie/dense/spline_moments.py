@@ -41,7 +41,7 @@ OPTIONS = MomentOptions()
 def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
     """Indices of zones on which derivatives of the right side jump `min_jumps` times or more.
 
-    They are ascending. Of a symmetric set, only zones of the right half count.
+    The indices are ascending. If the zones are symmetric, only those of the right half are listed.
     """
     if len(forcing.jumps) == 0 or zones.have_values:
         # If the density has given values at ends (`have_values`), the right side gains logarithms.

@@ -83,7 +83,7 @@ class Layout:
         """The array of unknowns that contains the coefficients of a table (zones, max m + 1).
         The amplitudes of the equation's columns are zero in this array.
 
-        It is the inverse of `padded`.
+        This method is the inverse of `padded`.
         """
         out, count = np.zeros(self.size), self.given.shape[1]
         out[: self.coefficients] = widened(table, count)[:, :count][self.given]
@@ -124,11 +124,11 @@ class Targets:
 
         The zones `sources` are moved by `shift`.
 
-        Both have the shape (points, sources). The mask is 0 for a target on the source itself, else
-        1. It is None if `shift` is not 0, since then there is no such pair. Distances are sums of
-        the gap between the two zones and the distance of the point from its own zone's end, so that
-        only the ends cancel. The position of a target on the source itself is arbitrary: the caller
-        uses another formula.
+        Both results have the shape (points, sources). The mask is 0 for a target on the source
+        itself, else 1. It is None if `shift` is not 0, since then there is no such pair. Distances
+        are sums of the gap between the two zones and the distance of the point from its own zone's
+        end, so that only the ends cancel. The position of a target on the source itself is
+        arbitrary: the caller uses another formula.
         """
         a, b = zones.a[sources] + shift, zones.b[sources] + shift
         z = self.zone
@@ -371,8 +371,8 @@ class System(Rows):
     def unseen_moments(self) -> Array | None:
         """Moments, on `panels`, of the part of the density above mode m; None if not needed.
 
-        These coefficients are known, from g and the jumps of g. The result is None without panels,
-        or if modes up to m resolve the regular part of the kernel.
+        The coefficients above m are known, from g and the jumps of g. The result is None without
+        panels, or if modes up to m resolve the regular part of the kernel.
         """
         zones, panels = self.zones, self.panels
         if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):

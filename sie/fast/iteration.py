@@ -22,8 +22,8 @@ class IterationOptions:
     # Factor by which one run of GMRES reduces the residual. Within a run, fast sums with an error
     # of 1e-7 (rough sums) give the fields. So the result of a run only corrects the solution.
     correction: float = 1e-6
-    # The unknowns of each zone are divided by the largest unknown of the zone. This is the lower
-    # bound of the divisor, relative to the largest unknown of all zones.
+    # The unknowns of each zone are divided by the largest unknown of the zone. This option is the
+    # lower bound of the divisor, relative to the largest unknown of all zones.
     min_scale: float = 1e-4
 
 

@@ -57,11 +57,12 @@ class TwoLevelPreconditioner:
             self._small[:, k] = self._scalars(column)
 
     def _responses(self) -> Array:
-        """Changes of the unknowns per unit of the constant shared by all levels and per amplitude.
+        """Changes of the unknowns for a unit of the levels' common constant and of each amplitude.
         A level is the constant part of the potential on a zone. An amplitude is the unknown factor
         of one of the equation's additional functions (columns).
 
-        The constant is the one that levels may share. If there is one, its column is the first.
+        There is one column for each amplitude. If the levels share an unknown constant, the column
+        for this constant comes first.
         """
         system, with_constant = self.system, int(self.levels)
         out = np.zeros((system.symmetry.size, system.layout.columns + with_constant))

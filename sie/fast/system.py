@@ -198,7 +198,7 @@ class IterativeSystem(System):
         """Differences between neighbouring zones of `level_constants`, the known parts of levels.
         A level is the constant part of the potential on a zone.
 
-        They are computed without the cancellation of large values.
+        The differences are computed without the cancellation of large values.
         """
         return (
             np.diff(self.known_field[1]) + np.diff(self._known_rest) - self._forcing_differences()
@@ -244,7 +244,7 @@ class IterativeSystem(System):
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:
-        """(integrals of the right side g over the gaps, their errors by rounded positions).
+        """(integrals of the right side g over the gaps, their errors due to rounded positions).
 
         Positions are rounded to half a unit in the last digit. The error is zero if the forcing
         takes exact positions.

@@ -6,11 +6,11 @@ M_l = w c_l / 2. A node of the tree is a group of zones, treated as one zone tha
 Its field follows in the same way from its moments (`sie.basis.interval`).
 
 Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s). The
-same matrix A takes the Chebyshev series of the far field from a parent to its children. Of the
-potential only the value at the middle of each node is stored, since its derivative is the
-transform. The potential is summed in double-double arithmetic, because conditions use its small
-differences between neighbours. So the far field needs no quadrature nodes on the zones. Only near
-zones interact directly, by the closed forms of `sie.dense.system`. See L. Greengard
+same matrix A takes the Chebyshev series of the far field from a parent to its children. The
+potential is stored at the middle of each node only, since its derivative is the transform. The
+potential is summed in double-double arithmetic, because conditions use its small differences
+between neighbours. So the far field needs no quadrature nodes on the zones. Only near zones
+interact directly, by the closed forms of `sie.dense.system`. See L. Greengard
 and V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension and with Chebyshev series.
 """
 
@@ -143,8 +143,8 @@ class NearSums:
     def _entries(self, rows: Index) -> tuple[Index, Callable[[Index, int], Index]]:
         """(row pointers of a matrix with `rows` rows for each solved zone, places of its entries).
 
-        The places are a function of pairs and of their number of rows. It gives the first entry of
-        each pair in each row.
+        The places are returned as a function at(pairs, count), for pairs whose target zones have
+        `count` rows. Its value is the place of each pair's first entry in each of these rows.
         """
         per_zone = np.bincount(self.place, self.terms, minlength=len(rows)).astype(np.intp)
         pointer = np.concatenate(([0], np.cumsum(np.repeat(per_zone, rows))))

@@ -88,7 +88,7 @@ class KnownJumps(Kept):
 
     def own_level(self, left: Array, right: Array) -> Array:
         """Potential of the density phi, plus kappa times the integral of phi, divided by w.
-        It is given on the zone, of half width w, and is a primitive of kappa phi + T phi.
+        This sum, at points on the zone of half width w, is a primitive of kappa phi + T phi.
         """
         higher = self.closed.own(self._away(left, right), self.order + 1) @ self.factors
         rest = self.closed.weighted.own_level(self._by_parts, left, right)

@@ -355,8 +355,8 @@ class ManySolver:
 
     def __init__(self, rows: ManyRows, tolerance: float) -> None:
         self.rows, self.tolerance, self.iterations = rows, tolerance, 0
-        # A pair for round-off estimates: (unknowns of a solution, their changes by random errors of
-        # the equations). It is None before the first estimate.
+        # A pair for round-off estimates: (unknowns of a solution, changes of the density's
+        # coefficients due to random errors of the equations). It is None before the first estimate.
         self.random_changes: tuple[Array, Array] | None = None
         self.is_loose = tolerance > ITERATION.correction
         self.error = np.zeros(len(rows.zones))
@@ -473,7 +473,7 @@ class ManySolver:
         )
 
     def projected(self, values: Array) -> Array:
-        """Right sides of the equations for coefficients, from those of the equations at the nodes.
+        """Right sides for the rows of coefficients, from right sides for the rows at the nodes.
 
         values: sin(theta) times a function at the nodes, followed by the totals.
         """

@@ -181,7 +181,7 @@ class LevelRows(ManyRows):
 
     @cached_property
     def _own_levels(self) -> list[Array]:
-        """What one unit of each unknown of a zone adds to the zone's level (constant potential).
+        """Change of a zone's level (constant potential) per unit of each unknown of the zone.
 
         There is one row for each of `sums.groups`. The rows are divided by the half width of the
         zone, and lack the logarithm of the half width.

@@ -73,7 +73,7 @@ class ManyState(SecondKindState):
 
     @cached_property
     def _changes(self) -> Array:
-        """Changes of the density's coefficients by random errors of all rows of the equations.
+        """Changes of the density's coefficients due to random errors of all rows of the equations.
         The shape is (samples, Z, n + 1).
         """
         kept = self.solver.random_changes

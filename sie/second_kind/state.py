@@ -208,7 +208,8 @@ class SecondKindState(Resolved):
     def missing(self) -> Array:
         """Estimated sum of the truncated coefficients of each zone (Z,).
 
-        They continue to decay from the last ones as the second half of the kept ones decays.
+        It is assumed that the truncated coefficients decay, from the last kept ones on, as the
+        second half of the kept ones does.
         """
         out = np.zeros(len(self.density.zones))
         for i, m in self._modes:
@@ -254,12 +255,13 @@ class SecondKindState(Resolved):
 
     @cached_property
     def _row_errors(self) -> Array:
-        """Error of each row of the linear system, by round-off and by truncated coefficients.
+        """Error of each row of the linear system due to round-off and truncated coefficients.
 
         Truncated coefficients act on the rows of other zones as the last kept one does, or less.
         The residual between the nodes and next to the ends, above its round-off, is an error of the
-        rows. The right side g is evaluated at rounded places. So the round-off of g is that of the
-        places times the slope of g. The slope of the density is used as a bound of the slope of g.
+        rows. The right side g is evaluated at rounded places. So the round-off of g is the slope of
+        g times the round-off of the places. The slope of the density serves as a bound of the slope
+        of g.
         """
         zones, m = self.density.zones, self.system.layout.m
         unit = EPS * (OPTIONS.complex_rounding if zones.weight.is_complex else 1.0)

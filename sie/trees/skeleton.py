@@ -5,9 +5,10 @@
 with interpolating functions P_j, which hold for the potential of the kernel, too. A pivoted QR
 decomposition of k at a few hundred positions selects the columns s_j and as many rows. P_j(xi)
 solves this equation in the selected rows (H. Cheng, Z. Gimbutas, P. G. Martinsson and V. Rokhlin,
-SIAM J. Sci. Comput. 26, 2005, 1389-1404). The field of zones is that of point sources at s_j, with
-the moments sum_q w_q P_j(xi_q) as strengths, for sources w_q at xi_q. So the kernel is called for
-positions on zones only, unless the field off the zones is wanted.
+SIAM J. Sci. Comput. 26, 2005, 1389-1404). So sources of the strengths w_q at positions xi_q on the
+zones have the same field as sources of the strengths sum_q w_q P_j(xi_q), the moments, at the
+positions s_j. The kernel is called for positions on zones only, unless the field off the zones is
+wanted.
 """
 
 from __future__ import annotations
