@@ -77,7 +77,7 @@ def solve(
     branch : str
         Which of several equilibria is meant, under laws that have more than one. "advancing" is
         reached from first touch by raising the control to its value (tension: raised to zero load,
-        then lowered). "receding" is reached by lowering it from the largest contact.
+        then lowered). "receding" is reached by lowering the control from the largest contact.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def solve(
     OutOfRange
         If no contact has the given value of the control.
     NotConverged
-        If the tolerance was not met; the error has the best state.
+        If the tolerance was not met; the error contains the best solution that was found.
 
     Warns
     -----
@@ -182,7 +182,7 @@ def context_of(scene: Scene, tol: float) -> SolveContext:
 def solved_at(context: SolveContext, found: Outcome, message: str) -> Solution:
     """The `Solution` of a contact `found` by following its branch of equilibria.
 
-    message: how it was reached, noted in the plan. The contact is refined already.
+    message: how the contact was reached, noted in the plan. The contact is refined already.
     """
 
     context.plan["branch"].detail = message
@@ -225,7 +225,8 @@ def _of_first_law(
     """The solution of the scene under the law `Routes.first`, which is tried before its own law.
     It is None if there is no such law or no such solution.
 
-    Pressures grow with the load. So above the load of a contact with plateaus it is not the answer.
+    Pressures grow with the load. So the law `Routes.first` is not tried above the load of a contact
+    with plateaus.
     """
     law, load = scene.law.routes.first, scene.given_load
     if law is None:

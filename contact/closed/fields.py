@@ -1,6 +1,6 @@
-"""Fields of one symmetric zone: pressure and integrals by series, the rest by the engine.
+"""Fields of one symmetric zone: pressure and integrals by series, the rest by the package `sie`.
 
-The engine solves the equation on the known zone once a displacement or a gap is asked for.
+`sie` solves the equation on the known zone as soon as a displacement or a gap is asked for.
 """
 
 from __future__ import annotations
@@ -115,11 +115,8 @@ class ClosedFields(ZoneFields):
         With a period L it is arcosh(tan A / tan u), with A = pi a/L and u = pi x/L; a is the half
         width. Without a period it is arcosh(a / x).
 
-        A = pi a / L and u = pi x / L, with the half width a, the position x and the period L. The
-        second form is the one without a period.
-
-        tangent: tan u, or x. over: sqrt(1 - (tan u / tan A)^2), which has more digits next to the
-        ends.
+        tangent: tan u, or x without a period. over: sqrt(1 - (tan u / tan A)^2), or
+        sqrt(1 - (x / a)^2) without a period; it has more digits next to the ends than the quotient.
         """
         half = self.zone.half
         if self.zone.problem.map.period is not None:

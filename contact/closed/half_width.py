@@ -1,14 +1,16 @@
 """The half width of one symmetric zone about the origin, and the branch from zero load.
 
-The load P of a zone of half width a is an integral of the forcing g. With xi = a t for a zone
-alone, and sin(pi xi/L) = sin(pi a/L) t with all periods, u = pi xi/L and A = pi a/L,
+The load P of a zone of half width a is an integral of the forcing g. The approach is minus the
+level. Let F be the primitive of g, d the datum, u = pi xi/L and A = pi a/L, and substitute
+xi = a t for a zone alone, and sin u = t sin A with all periods. Then
 
     P = int g(xi) xi / sqrt(a^2 - xi^2) dxi                     level = (P/pi) ln(a / 2d) - mean F
     P = int g(xi) sin u / sqrt(sin^2 A - sin^2 u) dxi           level = (P/pi) ln sin A - mean F
 
-by Gauss-Chebyshev quadrature in t. The first line is Shtaerman's (1949). The second follows from it
-by the map tan u, which turns the Hilbert kernel into Cauchy's. The levels follow from the
-equilibrium measure of the zone. The localized model adds its correction (16).
+by Gauss-Chebyshev quadrature in t, which also gives the mean of F. The first line is Shtaerman's
+(1949). The second follows from the first by the map tan u, which turns the Hilbert kernel into
+Cauchy's. The levels follow from the equilibrium measure of the zone. The localized model corrects
+the load by equation (16) of Goryacheva & Tsukanov (2020).
 """
 
 import math
@@ -36,7 +38,8 @@ MAXIMUM_TOLERANCE = math.sqrt(EPS)
 def guess_half_width(problem: Problem, control: Control) -> float:
     """The scaled half width at which one zone has about the controlled load or approach.
 
-    If no zone reaches it, this is the half width at the first maximum of that quantity.
+    If no zone reaches the controlled value, this is the half width at the first maximum of the load
+    or approach.
     """
     if control.half_width is not None:
         return control.half_width
@@ -135,7 +138,7 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
 def single_branch(problem: Problem, control: Control) -> tuple[Array, Array]:
     """(half widths, load or approach at each), up to the first maximum of the load or approach.
 
-    The quantity is the load or the approach.
+    The second array has the quantity that `control` prescribes.
     """
     limit = widest(problem)
     if not math.isfinite(limit):

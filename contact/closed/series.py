@@ -25,8 +25,8 @@ SAMPLES_PER_DEGREE = 8
 class Table:
     """The Chebyshev nodes t > 0, and matrices that act on a function's values at these nodes.
 
-    sums (nodes, 4): from values to g_1, q(1) and the last two coefficients. matrix: from values to
-    coefficients. sines, cosines: of the angles at which q is sampled.
+    sums (nodes, 4): gives g_1, q(1) and the last two coefficients from the values. matrix: gives
+    all coefficients from the values. sines, cosines: of the angles at which q is sampled.
     """
 
     t: Array

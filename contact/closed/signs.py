@@ -1,20 +1,23 @@
 """Signs of the pressure inside a zone and of the gap outside, and the stated error.
 
 Inside, p / sqrt(1 - t^2) is, up to a positive factor, the polynomial q = sum g_k U_{k-1} of
-contact.closed.series plus a positive term from the kink. q is at least its first coefficient less
-the sum of k |g_k| over the others. Where that bound does not decide, q is sampled so closely that
-no zero is hidden between samples. Outside, the slope of the gap is
+contact.closed.series plus a positive term from a kink of the profile at x = 0. q is at least its
+first coefficient minus the sum of k |g_k| over the others. If this bound does not decide the sign,
+q is sampled so closely that no zero is hidden between samples. Outside, the slope of the gap is
 
-    gap' = w (G - sum g_k rho^k),     plus     J/pi arccos(tan A / tan u)     of the kink.
+    gap' = w (G - sum g_k rho^k) + (J/pi) arccos(tan A / tan u),
 
-Where it is nowhere negative the gap is least at the ends, where it is zero. Where it falls, as at
-the border of a lone wave, the gap itself is sampled.
+with w, G and u of contact.closed.line, rho of contact.closed.series, the jump J of the slope at the
+kink, and A the value of u at the end of the zone. If the slope is nowhere negative, the gap is
+least at the ends of the zone, where it is zero. If the slope is negative somewhere, as at the
+border of a lone wave, the gap itself is sampled.
 
-The stated error is the larger one of two: the error of an end over the width of the zone, and that
-of the pressure over its mean, which is at most the peak. Ends have the error of Newton's last step
-and round-off. The pressure has the errors of the ends, of the truncated series and round-off. If
-the half length has the relative error e, and t = cos(a), then sum k g_k sin(k a) changes by at most
-e sum k^2 |g_k|: each term by e k g_k (1 - cos(a) cos(k a)) / sin(a), at most e k^2 |g_k|.
+The stated error is the larger one of two relative errors: the error of an end divided by the width
+of the zone, and the error of the pressure divided by the mean pressure, which is at most the peak.
+Ends have the error of Newton's last step and round-off. The pressure has the errors of the ends, of
+the truncated series and round-off. If the half length has the relative error e, and t = cos(a),
+then Phi = sum g_k sin(k a) changes by at most e sum k^2 |g_k|: each term changes by
+e k g_k (1 - cos(a) cos(k a)) / sin(a), at most e k^2 |g_k|.
 """
 
 import math

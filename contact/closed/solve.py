@@ -1,8 +1,8 @@
-"""Solutions of scenes that are one symmetric zone about one tip or about two that have merged.
+"""Solutions of scenes with one symmetric contact zone, about one tip or about two tips.
 
 The scene is a half-plane without friction or adhesion, alone or with all periods. The zone is
-certified by the signs of its series and has a stated error. Where a sign is in doubt, the series
-does not end or the error is above the tolerance, the general search solves the scene.
+certified by the signs of its series and has a stated error. The general search solves the scene
+instead if a sign is in doubt, if the series does not end, or if the error is above the tolerance.
 """
 
 import math

@@ -6,9 +6,10 @@ period L, A = pi a/L and u = pi x/L, the pressure and load of this part are
 
     p = (E*/2) (J/pi) arcosh(tan A / tan |u|),      load = (E*/2) (J L/pi) artanh(sin A)
 
-(Goryacheva & Tsukanov 2020, (25), as corrected in docs/theory.md), and (J/pi) arcosh(a/|x|) and J a
-without a period. Between sharp corners and without slope, p = load cos u / (L sqrt(sin^2 A - sin^2
-u)), or load / (pi sqrt(a^2 - x^2)) without a period (Sadowsky 1928).
+(Goryacheva & Tsukanov 2020, (25), as corrected in docs/theory.md). Without a period they are
+(E*/2) (J/pi) arcosh(a/|x|) and (E*/2) J a. Under a flat punch with sharp corners at -a and a,
+p = load cos u / (L sqrt(sin^2 A - sin^2 u)), or load / (pi sqrt(a^2 - x^2)) without a period
+(Sadowsky 1928).
 """
 
 import math
@@ -63,8 +64,8 @@ OPTIONS = OneZoneOptions()
 class OneZoneProblem:
     """The data of one symmetric contact zone that are the same for all loads.
 
-    kink: J at x = 0. corner: half width of a punch without slope, None where there are no corners.
-    limit: half width [m] that no zone exceeds.
+    kink: the jump J of the slope at x = 0. corner: half width [m] of a flat punch; None if the zone
+    does not end at corners. limit: half width [m] that no zone exceeds.
     """
 
     profile: Profile
@@ -87,8 +88,8 @@ class OneZoneProblem:
         return np.asarray((slope - 0.5 * self.kink) / weight)
 
     def kink_load(self, half: Value) -> tuple[Value, Value]:
-        """(load due to the profile's kink divided by E*/2, derivative of this ratio by `half`).
-        `half` is the half length of the zone.
+        """(R, dR/dh): R is the load due to the profile's kink, divided by E*/2.
+        h = `half` is the half length of the zone.
         """
         if self.kink == 0.0:
             return 0.0, 0.0
@@ -121,9 +122,10 @@ class ClosedZone:
     """One zone under one load (fields are numbers) or several loads (one row for each).
 
     half_width [m]. half: half length on the line. g: series coefficients (..., orders). tail: sum
-    of the last ones and of those left off. end_error: error of ln half. punch: load of a flat punch
-    divided by E*/2, by the load factor and by pi half. found: whether Newton's method converged to
-    a zone below the limit.
+    of the absolute values of the last two coefficients, plus a bound for those left out.
+    end_error: error of ln half. punch: for a flat punch, the load divided by E*/2, by the load
+    factor and by pi times `half`. found: whether Newton's method converged to a zone below the
+    limit.
     """
 
     problem: OneZoneProblem
@@ -162,7 +164,7 @@ class ClosedZone:
 
     @property
     def growth(self) -> Value:
-        """Derivative of an end of the zone, outward [m], by ln(load).
+        """Outward motion [m] of an end of the zone, per unit change of ln(load).
         It is 0 if the zone ends at corners.
         """
         problem, way = self.problem, self.problem.map
@@ -180,8 +182,8 @@ class ClosedZone:
 
 
 # Type of the equation that Newton's method solves. Its arguments are the half length h, the load
-# divided by E*/2 and the derivative of this load by h. With X the load or approach that is
-# controlled, it returns (ln(wanted X / present X), d ln X / d ln h, round-off of ln X).
+# divided by E*/2, and the derivative of the latter with respect to h. With X the load or approach
+# that is controlled, it returns (ln(wanted X / present X), d ln X / d ln h, round-off of ln X).
 Residual = Callable[[Value, Value, Value], tuple[Value, Value, Value]]
 
 
@@ -200,8 +202,8 @@ def zone_under(problem: OneZoneProblem, loads: Value) -> ClosedZone:
 def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | None) -> ClosedZone:
     """The zone at a given approach [m].
 
-    The rate of the approach is that of the load times the compliance of the fixed zone: pressure
-    and gap vanish at the ends, so that their motion adds nothing.
+    The rate of the approach is the rate of the load times the compliance of the fixed zone.
+    Pressure and gap vanish at the ends, so that the motion of the ends adds nothing.
     """
 
     def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:

@@ -1,1 +1,1 @@
-"""Stresses inside the body: what comes in is a solution, what goes out stresses and first yield."""
+"""Stresses inside the body: a solution comes in, stresses and the load of first yield go out."""

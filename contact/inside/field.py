@@ -2,8 +2,8 @@
 
 The stresses at a point are means of the pressure with kernels whose absolute values have integrals
 of at most 1. So an error of the pressure at equal normalised positions causes no larger error of
-the stresses. A wrong end of a zone moves a pressure that grows like the square root of the distance
-from the end; near the end that counts more.
+the stresses. An error of a zone's end also shifts the pressure next to the end, which grows like
+the square root of the distance from it. This error of the stresses is largest close to the end.
 """
 
 from dataclasses import dataclass, replace
@@ -30,7 +30,8 @@ class FieldErrorOptions:
     # The absolute values of the shear's kernels have infinite integrals. So an error of the shear
     # that varies over short distances causes a larger error of the stresses.
     of_shear: float = 8.0
-    rounding_margin: float = 64.0  # round-off of F and of y F' in units of the last digit
+    # Round-off of the pressure's transform F and of y F', in units of the last digit.
+    rounding_margin: float = 64.0
 
 
 OPTIONS = FieldErrorOptions()

@@ -1,9 +1,9 @@
 r"""The largest equivalent stress in the body of a solution, and its place.
 
-It is sought at all depths, from the finest detail of the pressure to the widest zone. Without
-shear, a pressure between 0 and P causes no larger shear than P/pi in the plane, and no larger mean
-stress than P. The pressures within k depths of a point have the highest value P1, and those farther
-away act over an angle of 2 arccot(k) only. So
+The search covers all depths, from the finest detail of the pressure to the widest zone. Without
+friction, a pressure between 0 and P causes a shear stress of at most P/pi in the plane, and a mean
+stress of at most P. Let P1 be the highest pressure within the distance k times the depth of a
+point. Pressures farther away are seen from the point under an angle of 2 arccot(k) only. So
 
     shear <= P1/pi + (P - P1) 2 arccot(k)/pi,     mean <= P1 + (P - P1) 2 arccot(k)/pi.
 
@@ -31,8 +31,9 @@ class LargestOptions:
     # Ratio of successive depths of the scan. From one depth to the next, a stress changes by some
     # per cent. After the scan, the search therefore refines the places of the largest stress.
     depth_ratio: float = 1.3
-    places_per_depth: float = 2.0  # places along the surface, per depth
-    samples_per_length: float = 4.0  # of the pressure, per length over which the profile varies
+    places_per_depth: float = 2.0  # places scanned in a length equal to the depth
+    # Samples of the pressure in the smallest length over which the profile varies.
+    samples_per_length: float = 4.0
     zone_samples: int = 24  # least number of samples of the pressure on a zone
     # Least depth of the scan, divided by the length over which the pressure varies. Below a smooth
     # peak of the pressure, the largest stress is at 0.3 to 0.8 of the peak's half width.
@@ -41,7 +42,7 @@ class LargestOptions:
     bound_margin: float = 1.1  # for peaks of the pressure between its samples
     refined: int = 48  # places that are refined
     near_best: float = 0.8  # least stress of a refined place, in units of the largest
-    max_steps: int = 80  # limit of refinements and of loads tried, which end by themselves
+    max_steps: int = 80  # largest number of refinements, and of loads tried; fewer are usual
 
 
 OPTIONS = LargestOptions()
@@ -88,8 +89,8 @@ class Criterion:
         return stress.mises(self.nu) if self.name == "mises" else stress.tresca(self.nu)
 
     def branch(self, stress: Stress) -> int:
-        """Index of the planes of largest shear: 0 for planes along z, 1 for all others.
-        It is 0 except for Tresca's criterion.
+        """Index of the planes of largest shear: 0 for planes parallel to the z axis, 1 for others.
+        It is always 0 unless the criterion is Tresca's.
         """
         return int(self.name == "tresca" and float(self.of(stress)) > float(stress.shear))
 
@@ -103,8 +104,8 @@ class Criterion:
         return 0.5 * ((1 - 2 * self.nu) * mean + stress.shear) if branch else stress.shear
 
     def slopes(self, stress: Stress, branch: int) -> Array:
-        """Derivatives (3,) of the equivalent stress of one branch by the stresses xx, yy and xy.
-        The stress is that at one point.
+        """Derivatives (3,) of the equivalent stress with respect to the stresses xx, yy and xy.
+        The stresses are those at one point; for `branch` see `of_branch`.
         """
         one, both = np.array([0.5, -0.5, 0.0]), np.array([0.5, 0.5, 0.0])
         away, mean = 0.5 * (stress.xx - stress.yy), 0.5 * (stress.xx + stress.yy)
@@ -135,8 +136,8 @@ class Criterion:
         """Upper bound of the equivalent stress at points in the body.
         It follows from the largest pressure near each point and the largest pressure overall.
 
-        It holds for surfaces without shear. highest: largest pressure near each point; anywhere:
-        largest pressure of all; deep: pressure far below the surface.
+        The bound holds for surfaces without friction. highest: largest pressure near each point;
+        anywhere: largest pressure of all; deep: pressure far below the surface.
         """
         angle = 2 * np.arctan(1 / OPTIONS.reach) / np.pi
         beyond = angle * np.maximum(anywhere - highest, 0.0)

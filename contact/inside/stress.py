@@ -121,9 +121,9 @@ def _times_depth(y: Array, slope: Complex) -> Complex:
 def tension_along(lateral: str, deep: float, nu: float | None) -> float:
     """Uniform stress s_xx [Pa] that is added to the stresses caused by the surface tractions.
 
-    Below a surface that is loaded everywhere by the mean pressure `deep` [Pa], that field is a
-    uniform pressure. Then "free" makes the mean of s_xx zero, "confined" the mean of the strain
-    e_xx.
+    Far below a periodic contact, the stresses caused by the tractions are a uniform pressure, the
+    mean pressure `deep` [Pa]. With the added stress, the mean of s_xx is zero ("free"), or the mean
+    of the strain e_xx is zero ("confined").
     """
     one_of("lateral", lateral, LATERAL)
     if lateral == "confined":

@@ -1,8 +1,9 @@
 """First yield: the load and the place at which the equivalent stress first reaches the strength.
 
-The largest equivalent stress (`largest.py`) is brought to the strength by changes of the scene's
-control: a bracket first, then regula falsi in the logarithms of both. Under a limit of the pressure
-the largest stress may fall again as the load grows, so the bracket is sought from small loads up.
+The value of the scene's control is changed until the largest equivalent stress (`largest.py`)
+equals the strength. First a bracket is found; then regula falsi is applied to the logarithms of
+control and stress. Under a law that limits the pressure, the largest stress may fall again as the
+load grows, so the bracket is sought from small loads up.
 """
 
 from collections.abc import Callable
@@ -26,12 +27,13 @@ CRITERIA = ("mises", "tresca")
 class YieldOptions:
     """Options of the search for the load of first yield."""
 
-    max_ratio: float = 8.0  # of the control, in one step of the search for a bracket
+    max_ratio: float = 8.0  # largest factor on the control in a step of the search for a bracket
     # Relative error of the load at which a tip comes into contact. A gap below the round-off of the
     # heights counts as closed, which shifts this load: two searches from different loads differed
     # by 2e-6.
     touch_error: float = 1e-5
-    least_ratio: float = 1e-6  # of the control: if the stress is infinite even here, the load is 0
+    # Smallest factor on the given control. If the stress is infinite even there, the load is 0.
+    least_ratio: float = 1e-6
 
 
 OPTIONS = YieldOptions()
@@ -184,8 +186,8 @@ class _Search:
                 return self.run()  # elastic: the largest stress grows with the load
             return Yield(0.0, point[3].x, point[3].y, 0.0, _BLUNTED)
         most = highest * bearing_width(body.scene)
-        # The last load tried is near the largest that the body bears. Without a period there is no
-        # such load: then it is far above the given one.
+        # `end` is the last load tried. It is the largest load that the body can bear or, if there
+        # is no such load, a load far above the given one.
         end = most
         if np.isinf(most):
             end = OPTIONS.max_ratio**2 * max(body.load, point[2].load)
@@ -251,8 +253,9 @@ class _Search:
     def _start(self, body: Body) -> Point:
         """A contact with a largest pressure below half of the limit, if there is one.
 
-        It is elastic, and so are those under smaller loads. At a sharp corner or tip the pressure
-        is at the limit under any load: there it is the contact under the least load.
+        Such a contact is elastic, and so are the contacts under smaller loads. At a sharp tip the
+        pressure is at the limit under any load. Then the contact under the smallest load tried is
+        returned.
         """
         half = 0.5 * body.scene.law.pressure_range.highest
         point, step = self.add(body.load, body), float(np.log(OPTIONS.max_ratio))
@@ -338,7 +341,7 @@ class _Search:
 
 
 def _rate(one: Point, other: Point) -> float:
-    """Difference of ln(largest stress) over difference of ln(load) of two contacts.
+    """The slope of ln(largest stress) as a function of ln(load), between two contacts.
     It is 0 if it is undefined.
     """
     if not (np.isfinite(one[1]) and np.isfinite(other[1])) or one[2].load == other[2].load:
@@ -370,7 +373,8 @@ _BLUNTED = "a sharp corner or tip, where the pressure is at its limit under any 
 def _is_wedge(body: Body) -> bool:
     """Whether the profile is a wedge: straight on both sides of one tip, without an end.
 
-    No length is given then, so that a larger load only magnifies the pressures' places.
+    A wedge has no length of its own. So a larger load stretches the distribution of the pressure
+    along x and does not change its values.
     """
     scene = body.scene
     profile, tips = scene.profile, scene.profile.kinks[:, 0]

@@ -40,10 +40,8 @@ LOOKS = 2**10
 def first_order(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones | None = None
 ) -> SolvedZones:
-    """Zones of the strip under a nominal pressure that is the isolated load over the period.
+    """Zones of the strip under a nominal pressure: the isolated load divided by the period.
     Under the isolated load, the contact without periodic images has the same total width.
-
-    The isolated load is that of the profile alone with the same total width.
 
     found: the same strip, solved to a larger tolerance.
     """

@@ -1,7 +1,9 @@
-"""The two contacts of the first-order closure: derivatives by centre, pressure and load.
+"""The two contacts of the first-order closure, and their derivatives.
 
-One contact is that of the strip under a nominal pressure, the other that of its profile alone. A
-unit change of an unknown adds a density on the same zones. From it follow the motions of the ends.
+One contact is that of the strip under a nominal pressure, the other is that of the profile of the
+strip alone. The unknowns are the strip's centre, the nominal pressure and the load. A unit change
+of an unknown adds a density on the same zones. The motions of the zones' ends follow from this
+density.
 """
 
 from __future__ import annotations
@@ -26,7 +28,8 @@ class DerivativeOptions:
     # Tolerance of the pressures from which a central difference is computed. The difference has the
     # error `tolerance` / (2 `shift`), far below its truncation error `shift`^2.
     tolerance: float = 1e-11
-    shift: float = 1e-3  # step of the centre in a central difference, over the gap at the border
+    # Step of the centre in a central difference, divided by the width of the gap at the border.
+    shift: float = 1e-3
 
 
 OPTIONS = DerivativeOptions()

@@ -1,10 +1,12 @@
-"""First-order closure of one zone: the nominal pressure is the isolated load P0 of its width.
+"""First-order closure of one zone: the nominal pressure pbar follows from the zone's width W.
 
     pbar = P0(W) / L,      W = width of the zone of the strip under this nominal pressure
 
-(Goryacheva & Tsukanov 2020, (16) with P_s = P0). For a given W both contacts are ordinary problems,
-so the controlled quantity is a function of W. Its root is taken on the branch that starts at zero
-load and ends at the first maximum, by Newton's method in a bracket.
+(Goryacheva & Tsukanov 2020, (16) with P_s = P0). P0(W) is the load of the isolated contact of the
+width W, and L the period. For a given W, the contacts of the strip and of the isolated profile are
+ordinary problems, so the controlled quantity is a function of W. The W at which it has its given
+value is found by Newton's method in a bracket, on the branch that starts at zero load and ends at
+the first maximum.
 """
 
 from __future__ import annotations
@@ -47,8 +49,8 @@ class WidthOptions:
 
     @property
     def at_maximum(self) -> float:
-        """Relative width of the bracket at which the search for the largest load ends.
-        The bracket is one of the contact width.
+        """Relative size of the bracket at which the search for the largest load ends.
+        The bracket is an interval of contact widths.
         """
         return math.sqrt(self.converged_step)
 

@@ -2,11 +2,11 @@
 
     W(q) = W0(q L)
 
-The function W is the total width of the zones of the strip, under the scene's own control and the
-nominal pressure q beyond the strip. W0 is the total width for the profile alone, cut off at the
-borders of the strip, under the load q L. Both are contacts of convex problems. W falls with q, W0
-grows, so there is one root. One evaluation solves two contacts; the root is found by Newton's
-method in a bracket.
+W(q) is the total width of the zones of the strip, under the scene's own control and the nominal
+pressure q outside the strip. W0(q L) is the total width for the profile alone, cut off at the
+borders of the strip, under the load q L, with L the period. Both contacts solve convex problems. W
+falls with q and W0 grows, so there is one root. One evaluation solves two contacts; the root is
+found by Newton's method in a bracket.
 """
 
 from __future__ import annotations
@@ -129,8 +129,8 @@ class SeveralZones:
     def _solved(self, at: TwoContacts, rates: ContactRates, ends: Array) -> SolvedZones:
         """The zones of the strip, with the errors of their ends and two derivatives by the load.
 
-        amplitude_rate: derivative of the nominal pressure by the load. centring: derivative of the
-        approach by the load that the motion of the strip's centre causes.
+        amplitude_rate: derivative of the nominal pressure by the load. centring: the part of the
+        derivative of the approach by the load that comes from the motion of the strip's centre.
         """
         follows = rates.following
         fields = replace(

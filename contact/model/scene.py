@@ -114,20 +114,21 @@ class Scene(NamesArguments, sie.Kept):
     law : Law
         What happens at the interface, frictionless if left out.
     load : float or None
-        Control: load [N/m], per period where there is one.
+        Control: load [N/m]; in a periodic contact, the load on one period.
     mean_pressure : float or None
-        Control: load over the profile's period [Pa].
+        Control: load divided by the profile's period [Pa].
     approach : float or None
-        Control: approach of the bodies [m]; needs a datum where nothing repeats.
+        Control: approach of the bodies [m]; without a period, it needs a datum or a body with a
+        base.
     half_width : float or None
         Control: half width of the one zone of a symmetric profile [m].
     contact_fraction : float or None
-        Control: width in contact over the period [1], above 0 and at most 1.
+        Control: width in contact divided by the period [1], above 0 and at most 1.
     given : Control or None
         Another control, such as one of your own (`contact.Control`).
     tilt : float or None
-        The gap at zero load is f(x) - tilt x [rad]: where it is positive, the body is turned so
-        that x > 0 comes down.
+        Angle [rad] by which the body is turned: the gap at zero load is f(x) - tilt x. If the tilt
+        is positive, the side x > 0 comes down.
     moment : float or None
         int p x dx about x = 0 [N], positive where more of the load is at x > 0; the tilt is then
         unknown. At most one of tilt and moment, and only under a model that lets the body turn
@@ -331,10 +332,8 @@ class Scene(NamesArguments, sie.Kept):
             )
 
     def _named(self, control: Control) -> Control | None:
-        """The package's own control for the quantity that a user's control prescribes; None if the
-        package has no such control.
-
-        It is None where there is no such quantity, as for a width without a period.
+        """The package's own control for the quantity that a user's control prescribes.
+        It is None if the package has no such control, as for a width without a period.
         """
         held, period = held_by(control, self), self.profile.period
         if held is None or (held.quantity is Quantity.WIDTH and period is None):

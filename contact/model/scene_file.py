@@ -1,10 +1,10 @@
 """Scene files in TOML: reading a scene from one, and writing a scene as the text of one.
 
-A scene has the tables [profile], [material], [interaction] and [control], and where they are not
-the usual ones [counter], [substrate] and [law]. The table [tangential] is that of `contact slip`;
-it is no part of the scene. The keys of a table are the arguments of the Python
-object that it stands for, in the same units: a registered profile, interaction, substrate or law
-can be read at once. File names are relative to the scene file.
+A scene has the tables [profile], [material], [interaction] and [control]. It may have [counter], a
+rough counter body, and [substrate] and [law], if they are not the default ones. The table
+[tangential] is read by `contact slip` and is no part of the scene. The keys of a table are the
+arguments of the Python object that the table describes, in the same units. So every registered
+profile, interaction, substrate or law can be read. File names are relative to the scene file.
 """
 
 import json

@@ -1,8 +1,9 @@
 r"""The symbol L(q) of an elastic body: checked, over the harmonics of a period, and as a kernel.
 
 A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q). L is the compliance of
-the surface over that of the half-plane, and tends to 1 for short waves. With L_n = L(2 pi n / l),
-the kernel for a period l is Hilbert's plus the smooth
+the surface divided by that of a half-plane, and tends to 1 for short waves. With
+L_n = L(2 pi n / l), the kernel for a period l is Hilbert's kernel plus a smooth part K, and its
+potential is Hilbert's potential plus a smooth part Lambda,
 
     K = (2 pi / l) sum_n (L_n - 1) sin(2 pi n d / l),
     Lambda = -sum_n (L_n - 1) cos(2 pi n d / l) / n,      d = x - xi,
@@ -49,7 +50,7 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
     """Values of the symbol L(q); raises SceneError if they cannot be the symbol of an elastic
     body.
 
-    of: the part of the scene that it belongs to.
+    of: the part of the scene that the symbol belongs to, for messages.
     """
     name = f"{of}.symbol(q)"
     with of_author(name, of, f" for an array of shape {q.shape}"):

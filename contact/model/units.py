@@ -1,7 +1,7 @@
 """Numbers for reading: units that people use, with values between 1 and 1000, and text tables.
 
-Results are shown so, in tables, messages, plans and figures. A message that refuses an input has
-SI units instead, as the input is typed.
+Tables, messages, plans and figures show results in such units. A message that refuses an input has
+SI units instead, as inputs are given in SI units.
 """
 
 import math
@@ -120,8 +120,8 @@ def column(
 def with_error(value: float, error: float | None, unit: str, most: int = 10) -> tuple[str, str]:
     """A value and the bound of its error as text, both in the unit that suits the value.
 
-    The value has the digits that its error allows, up to `most`. An error of None is unknown.
-    Without an error, a value is exact.
+    The value has the digits that its error allows, up to `most`. None stands for an unknown error,
+    and 0 for an exact value.
 
     Examples
     --------
@@ -149,8 +149,8 @@ def text_table(
 ) -> str:
     """A table as text, from columns (header, cells).
 
-    Headers may have several lines. The columns `words` are aligned to the left, all others to the
-    right. blanks: between two columns.
+    Headers may have several lines. The columns with the indices `words` are aligned to the left,
+    all others to the right. blanks: number of blanks between two columns.
 
     Examples
     --------

@@ -117,11 +117,12 @@ def zone_frame(solution: Solution) -> Any:
 
 
 def frame_of(table: Mapping[str, Any], units: Sequence[str], row: str | None = None) -> Any:
-    """A pandas.DataFrame of columns by name, with the units of the first ones in its attributes.
+    """A pandas.DataFrame of named columns, with their units in its attribute `attrs["units"]`.
 
-    row: the name of what each row stands for, numbered from 0.
+    units: units of the first columns. row: name of the index, which numbers the rows from 0.
     """
-    require("pandas")  # the module of the next line may be loaded, and pandas not
+    # This raises MissingExtra without pandas, even if the next module was imported before.
+    require("pandas")
     frame = require("contact.solution.zone_frame").ZoneFrame(table)
     frame.index.name = row
     frame.attrs["units"] = dict(zip(table, units, strict=False))

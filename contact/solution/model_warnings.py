@@ -1,9 +1,9 @@
 """Warnings if slopes, pressures, moduli or lengths are outside the model.
 
 The model assumes half-planes and small elastic strains. Slopes, and pressures divided by E*, have
-no unit, so that they are checked in any system of units. Lengths are checked in files, whose
-numbers have a unit, and where the modulus can only be in pascals. The modulus is checked where
-lengths can only be in metres.
+no unit: they are always checked. Lengths are checked only if the modulus is plainly in pascals,
+since a scene may be given in other consistent units. Likewise, a small modulus is checked only if
+the length is plainly in metres. Lengths from a file are checked when the file is read.
 """
 
 import math

@@ -184,7 +184,7 @@ def draw_surfaces(
 def draw_pressure(axes: Any, solution: Solution, column: Stretch, name: str = "pressure") -> None:
     """Draw the pressure over an interval, with plateaus, tension and, in sliding, the shear.
 
-    name: of the ordinate.
+    name: the name of the vertical axis.
     """
     x = positions(solution, column.lo, column.hi, POINTS.screen_points)
     zones, along = zones_within(solution, column.lo, column.hi), column.along(x)
@@ -274,7 +274,7 @@ def close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | 
 def mark_close_up(panels: Iterable[Any], whole: Stretch, close: Stretch) -> None:
     """Mark, in panels of a whole interval, the part of it that other panels enlarge.
 
-    The pointer shows the part even if it is no wider than the line of the peak in it.
+    A pointer above the panel shows the part even if the part is as narrow as a drawn line.
     """
     lo, hi = whole.along(close.lo), whole.along(close.hi)
     for panel in panels:

@@ -1,6 +1,6 @@
 """Warnings about load in unmeasured intervals of a trace (contact.model.traces.unmeasured).
 
-They need only the zones of a solution, their loads and the pressure.
+The warnings are computed from the zones of a solution, their loads and the pressure.
 """
 
 from __future__ import annotations

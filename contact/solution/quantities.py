@@ -39,7 +39,8 @@ class Energy:
         (1/2) int p u dx [J/m], per period where there is one; u is the displacement approach - f +
         gap with the approach `Solution.approach`.
     surface : float
-        -w times the width in contact, w the law's work of adhesion [J/m]; 0 without adhesion.
+        Energy of the interface under the law [J/m]; 0 without adhesion. Under JKR's law it is -w
+        times the width in contact, with w the work of adhesion.
 
     Examples
     --------
@@ -105,7 +106,7 @@ def peaks(scene: Scene, zones: Array, pressure_at: Callable[[Array, int], Array]
 def _convex_kinks(scene: Scene) -> Array:
     """Places [m] where the slope of the profile jumps up, with their images one period away.
 
-    Zones lie within one period and the next one.
+    Zones begin in the cell of the period and may end in the next one.
     """
     kinks = np.reshape(scene.profile.kinks, (-1, 2))
     places = kinks[kinks[:, 1] > 0, 0]

@@ -101,7 +101,7 @@ def numbers(solution: Solution) -> list[Row]:
 
 
 def given_or_found_load(solution: Solution) -> float:
-    """The load [N/m] as it is given, without the round-off of the solution, or as it is found."""
+    """The given load [N/m]; the load of the solution if the scene does not give a load."""
     given = solution.scene.given_load
     return solution.load if given is None else given
 
@@ -139,7 +139,7 @@ def quantities(solution: Solution, most: int = 10) -> Iterator[Row]:
         found.append(("tilt", solution.tilt, "rad", None))
         found.append(("moment", solution.moment, "N", errors.load * arm))
     for name, value, unit, bound in found:
-        # The gap of surfaces that are apart under a load is infinite.
+        # Surfaces that are apart under a given load have an infinite gap, which is left out.
         if value is not None and (np.isfinite(value) or not is_apart(solution)):
             text, shown = with_error(value, 0.0 if given.get(name) else bound, unit, most)
             yield name, text, "given" if given.get(name) else shown

@@ -103,7 +103,8 @@ def top_pressure(solution: Solution) -> float:
 def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
     """Heights [m] of the lower surface, drawn deformed, and of the body above, drawn rigid.
 
-    Outside the sharp corners of a body there is none: the upper height is inf, the lower one -inf.
+    Outside the sharp corners of a body there is no surface: the upper height is inf, the lower one
+    -inf.
     """
     profile = solution.scene.profile
     face = profile.counter_height(x)

@@ -214,8 +214,8 @@ class Solution(sie.Kept):
     def zone_remainders(self) -> Array:
         """Exact ends minus rounded ends of `zones` (n, 2) [m]; 0 where exact ends are unknown.
 
-        Zones of very fine roughness may be only some units in the last digit of x wide. For them
-        `error` is the error of the ends zones + zone_remainders.
+        Zones of very fine roughness may be only some units in the last digit of x wide. For such
+        zones, `error` is the error of the ends zones + zone_remainders.
         """
         return np.zeros(self.zones.shape) if self._remainders is None else self._remainders
 
@@ -292,11 +292,11 @@ class Solution(sie.Kept):
 
     @property
     def stiffness(self) -> float | None:
-        """Derivative of the load by the approach [N/m^2], at the given moment or the given tilt.
+        """Derivative dP/d(approach) of the load P [N/m^2], at the given moment or the given tilt.
 
         It is inf in full contact on a half-plane, None without an approach. The error of its
-        inverse is about 4 error / E*, multiplied by the ratio of the width of zones to that of
-        narrower gaps next to them.
+        inverse is about 4 error / E*. If a gap is narrower than a zone next to it, the error is
+        multiplied by the ratio of the two widths.
         """
         return self.fields.stiffness
 
@@ -304,8 +304,8 @@ class Solution(sie.Kept):
     def pull_off(self) -> PullOff | None:
         """The last equilibrium under adhesion as the load, or the given approach, falls.
 
-        Parts of the contact may separate before it. It is None in full contact, which does not
-        open, and for surfaces that are apart.
+        Parts of the contact may separate before this point. It is None in full contact, which does
+        not open, and for surfaces that are apart.
         """
         law = self.scene.law
         if not law.equilibria.several or self.scene.held(Quantity.HALF_WIDTH) is not None:
@@ -332,8 +332,9 @@ class Solution(sie.Kept):
     ) -> "Stress":
         """Plane stresses [Pa] in body 1 at points (x, y) [m], y >= 0 into the body.
 
-        The body is a half-plane. Far below periodic contact, the field of line loads on all of the
-        surface is a uniform pressure in the plane.
+        The body is a half-plane. Far below a periodic contact, the stresses that the line loads
+        cause tend to a uniform pressure: the normal stress along the surface, too, tends to minus
+        the mean pressure.
 
         Parameters
         ----------
@@ -422,7 +423,8 @@ class Solution(sie.Kept):
     def cohesive(self) -> Array:
         """Intervals [m], (m, 2), in which the gap is so small that the law's tension acts.
 
-        They include the contact inside them. Around the contact the pressure is minus the tension.
+        Each interval includes the contact inside it. Around the contact the pressure is minus the
+        tension.
         The table is empty under laws without tension outside the contact.
         """
         table, period = self.fields.cohesive, self.scene.period
@@ -436,7 +438,8 @@ class Solution(sie.Kept):
     def plateaus(self) -> Array:
         """Intervals (n, 2) [m], within the zones, on which the pressure equals the hardness.
 
-        The table is empty under laws without a limit of the pressure, and where it is not reached.
+        The table is empty under laws without a limit of the pressure, and if the pressure reaches
+        the limit nowhere.
         """
         return in_cell(self.fields.plateaus, self.scene.profile.x0, self.scene.period)
 
@@ -450,8 +453,8 @@ class Solution(sie.Kept):
     def worn(self) -> Any:
         """The profile that yielding leaves: height plus `overlap`; unchanged if nothing yields.
 
-        Elastic contact of it under the same load has the same pressure. Unloading, and loading
-        again up to this load, is elastic contact of it.
+        Under the same load, the elastic contact of this profile has the same pressure. Unloading,
+        and loading again up to the same load, are elastic contacts of this profile.
 
         Returns
         -------
@@ -476,13 +479,13 @@ class Solution(sie.Kept):
     def moment(self) -> float | None:
         """Moment of the pressure p about x = 0, int p x dx [N]; None for bodies that repeat.
 
-        Its error is that of the zone loads times their distances.
+        Its error is that of the zone loads times their distances from x = 0.
         """
         return self.fields.moment if self.scene.interaction.turns else None
 
     @property
     def rotational_stiffness(self) -> float | None:
-        """Derivative of moment by tilt at the given load [N]; None for bodies that repeat."""
+        """Derivative d(moment)/d(tilt) at the given load [N]; None for bodies that repeat."""
         return self.fields.rotational_stiffness if self.scene.interaction.turns else None
 
     @property

@@ -1,9 +1,9 @@
 """Figure of the stresses below a contact: pressure above, contours or fringes below.
 
 Depth points downwards, with the scale of x. If the surroundings of the largest stress are small
-beside the whole, they have a column of their own, and the depth of the whole is logarithmic.
-Fringes are those of photoelasticity in a dark field: bright where the largest shear stress in the
-plane is (n + 1/2) times a constant.
+compared with the whole figure, they are shown in a second column of panels. The depth axis of the
+first column is then logarithmic. Fringes are those of photoelasticity in a dark field: bright where
+the largest shear stress in the plane is (n + 1/2) times a constant.
 """
 
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ class StressFigureOptions:
 
     levels: int = 16  # largest number of contours up to the largest stress
     fringes: int = 10  # orders up to the largest shear stress
-    reach: float = 1.6  # half width of a close-up, over the size of the peak
+    reach: float = 1.6  # half width of a close-up, divided by the size of the peak
     zones: int = 400  # widest zones with points of their own; also the number of even points
     singular_part: float = 0.995  # quantile that is the highest contour if the peak is infinite
     round_place: float = 1e-6  # places closer to 0 than this part of the depth are 0
@@ -170,9 +170,7 @@ def draw_stress(
     axes: Any, report: StressReport, show: str, field: Field, frame: tuple[Column, float]
 ) -> Any:
     """Draw the stresses in one column of the figure. `frame` has the column and its highest
-    contour. Returns the filled contours.
-
-    None for fringes.
+    contour. Returns the filled contours, or None for fringes.
     """
     (x, y, value), (column, top) = field, frame
     along, scale = column.along, scaled(top, "Pa")[0]

@@ -77,7 +77,7 @@ def stress_report(
     criterion: str = "mises",
 ) -> StressReport:
     """The largest stresses of a solution, and first yield if a strength [Pa] is given."""
-    solution.stress(0.0, 1.0, lateral, nu)  # refuses bodies and names before the search
+    solution.stress(0.0, 1.0, lateral, nu)  # raises SceneError if an argument or the body is wrong
     if strength is not None:
         check(strength, Criterion(criterion, nu, lateral))
     infinite = infinite_at(solution)

@@ -19,8 +19,8 @@ def show_table(
 ) -> None:
     """Print a table, in which the `numeric` columns are aligned to the right.
 
-    close: one blank between columns instead of three. file_width: of a line where there is no
-    terminal; it breaks no cell.
+    close: one blank between columns instead of three. file_width: number of characters in a line if
+    the output is no terminal; so many that no cell is broken.
     """
     right = set(numeric)
     padding = (0, 0) if close else (0, 1)
@@ -55,7 +55,7 @@ def show_columns(
 class Progress:
     """A callable for `contact.solve(progress=...)` that shows a progress bar on stderr.
 
-    It appears on a terminal only, once the work has lasted `patience` seconds.
+    The bar appears on a terminal only, once the work has lasted `patience` seconds.
     """
 
     def __init__(

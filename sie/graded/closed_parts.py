@@ -1,9 +1,9 @@
 """The closed-form density of jumps on graded zones, and its fields at places of the zones.
 
 Jumps and powers of the right side, and jumps of the density, have densities in closed form (see
-`sie.jumps`). They are functions of x and vanish at the ends of their zone. What remains of the
-right side is smooth on each zone. Fields on other zones are evaluated from distances from ends and
-gaps.
+`sie.jumps`). These densities are functions of x and vanish at the ends of their zone. What remains
+of the right side is smooth on each zone. Fields on other zones are computed from the widths of gaps
+and the distances of points from the ends of zones.
 """
 
 from __future__ import annotations
@@ -102,8 +102,9 @@ class ClosedParts(Kept):
 class Seen:
     """Position of a zone with jumps, moved by `shift`, relative to the points of another zone.
 
-    gap: distance between the two zones; ahead: whether the places are to the right of it. For the
-    places' own zone without a shift, both are meaningless.
+    gap: distance between the two zones; ahead: whether the points are to the right of the zone with
+    jumps; is_own: whether the points are on the zone with jumps itself, without a shift. Then `gap`
+    and `ahead` are meaningless.
     """
 
     zone: int
@@ -113,7 +114,7 @@ class Seen:
     is_own: bool
 
     def on_line(self, zones: Zones, places: Places) -> OnLine:
-        """The given points, as half widths from the middle of the zone with jumps."""
+        """Positions of the points relative to the zone with jumps, in units of its half width."""
         half = zones.half[self.zone]
         if self.is_own:
             return OnLine.of(places.from_a / half, places.from_b / half)

@@ -6,9 +6,9 @@ coordinate s of `sie.graded.grading`. The transform of one zone at a place x of 
     (1/pi) int psi(s') ds' / (x - x') = (Q(s) + sum_k (F_k / n) R(s, s_k)) / (dx/ds),
     R(s, s') = (dx/ds) / (x - x') - 1 / (s - s'),
 
-with the transform Q of psi in s, which is known in closed form, and Gauss's rule for the smooth R.
-Far from a zone Gauss's rule is enough for 1 / (x - x') itself. Potentials are split in the same
-way.
+with the transform Q of psi in s, which is known in closed form, and Gauss's rule for the smooth R:
+s_k are its n nodes on the zone, and F_k the values of psi sqrt(1 - s^2) there. Far from a zone
+Gauss's rule is enough for 1 / (x - x') itself. Potentials are split in the same way.
 """
 
 from __future__ import annotations
@@ -50,7 +50,8 @@ class GradedDensity(DensityBase):
         Whether round-off traces of 1/sqrt(d) at free ends are removed; see
         `Density.with_bounded_ends`.
     forced : bool
-        Whether the density includes that of the right side's jumps; a response does not.
+        Whether the density includes the closed-form density of the right side's jumps. The response
+        to other values of side conditions does not include it.
 
     Examples
     --------
@@ -116,7 +117,8 @@ class GradedDensity(DensityBase):
         """A system with more nodes, and its unknowns. The nodes resolve psi = density * dx/ds.
 
         The unknowns of the solved system may be the smoother quotient psi / `Grading.scale`. The
-        scale is singular at the distance pi/B from the axis of s, so that psi needs more nodes.
+        scale is singular at the distance pi/B from the real axis of s, with B = `Grading.stretch`.
+        Therefore psi needs more nodes.
         """
         system, divided = self.system, self.powers.any(axis=0)
         most = np.maximum(system.sizes, resolving_sizes(system.gradings))
@@ -182,7 +184,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def charges(self) -> Array:
-        """Integral of the density around each node of `nodes`, over pi; F_k / n in file's head."""
+        """Weight F_k / n of each node of `nodes` in Gauss's rule; see the head of this file."""
         system, unknowns = self.fine
         return np.asarray(unknowns[: system.nodes] * system.weights)
 
@@ -311,7 +313,8 @@ class GradedDensity(DensityBase):
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """Largest density on each zone, and its largest rates as the left and the right end move.
 
-        See `Density.sensitivity`. All are absolute values at the nodes, times sqrt(1 - t^2).
+        See `Density.sensitivity`. All are absolute values at the nodes, times sqrt(1 - t^2), where
+        t runs from -1 to 1 on the zone.
         """
         out = np.zeros((3, len(self.zones)))
         for zone in range(len(self.zones)):
@@ -321,7 +324,8 @@ class GradedDensity(DensityBase):
     def _changes_on(self, zone: int) -> list[Array]:
         """[density, its rate as the left end moves, as the right end moves] at the nodes of a zone.
 
-        The slope of the density is a central difference in s, whose steps are resolved beside gaps.
+        The slope of the density is a central difference in s: beside a narrow gap, steps in s are
+        short steps in x.
         """
         grading, half, n = (
             self.system.gradings[zone],

@@ -5,8 +5,8 @@ d' from the zone's ends. Its graded coordinate s runs from -1 to 1 and is linear
 
     u = log((d + g) / (d' + g')),          du/ds = B = log((1 + W/g) (1 + W/g')) / 2.
 
-So equal steps of s are equal ratios of the distance from a narrow gap. A density next to a gap of
-1e-12 of the zone is a series of some 80 Chebyshev polynomials of s, of x it would be one of 1e7.
+So equal steps of s are equal ratios of the distance from the zone beyond a narrow gap. A density
+next to a gap of 1e-12 of the zone needs some 80 Chebyshev polynomials of s. In x it would need 1e7.
 
 The map s -> x is a Moebius transform of exp(B s), and x - x' follows from s - s':
 
@@ -138,17 +138,16 @@ class Grading(Kept):
         return np.asarray(-self.stretch * np.tanh(0.5 * self.ends.u))
 
     def scale(self, places: Places, powers: Array) -> Numbers:
-        """Product of the distances from the left and right adjacent zone over L, each to a power.
+        """The product (l/L)^m (r/L)^n of the distances l, r from the left and right adjacent zones.
 
-        powers: 0 or 1 for the left and for the right distance. L is the distance between the
-        adjacent zones.
+        powers: the exponents m and n, each 0 or 1. L is the distance between the adjacent zones.
         """
         left = (places.from_a + self.before) / self.reach if powers[0] else 1.0
         right = (places.from_b + self.after) / self.reach if powers[1] else 1.0
         return np.asarray(left * right * np.ones(np.shape(places.u)))
 
     def scale_bends(self, powers: Array) -> Array:
-        """Derivative of log(`scale`) by the graded coordinate s, at the left and right end."""
+        """The derivative d log(`scale`) / ds at both ends, with the graded coordinate s."""
         ends = self.ends
         return np.asarray(
             ends.rate
@@ -177,7 +176,7 @@ class Grading(Kept):
         return np.asarray(0.5 * self.stretch * (rest - np.tanh(0.5 * points.u)[:, None]))
 
     def smooth_kernel_slope(self, points: Places, sources: Places) -> Complex:
-        """Derivative of `smooth_kernel` by the coordinate s of the points."""
+        """Derivative of `smooth_kernel` with respect to the coordinate s of the points."""
         slope = coth_less_pole_slope(self.turns(points, sources))
         bend = 1 / np.cosh(0.5 * points.u)[:, None] ** 2
         return np.asarray((0.5 * self.stretch) ** 2 * (slope - bend))

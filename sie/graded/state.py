@@ -53,8 +53,9 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
     if plain.sum() <= OPTIONS.min_plain_unknowns:
         return False
     unknowns = int(first_sizes(gradings_of(zones, equation.kernel)).sum())
-    # Estimated error if coordinates are not graded: the relative size of the last coefficient, for
-    # the largest number of modes, of the field that a zone causes across the narrowest gap.
+    # Estimated error if coordinates are not graded. The field that a zone causes across the
+    # narrowest gap is a series with the largest number of modes; `left` is the relative size of its
+    # last coefficient.
     left = np.exp(-modes.OPTIONS.max_modes * modes.decay(zones, equation.kernel).min())
     if unknowns > OPTIONS.max_unknowns and left > modes.OPTIONS.nearly_decayed:
         raise TooLarge(
@@ -150,7 +151,7 @@ class GradedState(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone: the mean of the potential minus the primitive of g."""
+        """Level of each solved zone: the mean of potential minus primitive of the right side."""
         rows, constants = self.system.levels()
         return np.asarray(rows @ self.density.unknowns + constants)
 
@@ -164,8 +165,8 @@ class GradedState(Answered):
     # sqrt(1 - s^2) dx/ds, with the density phi and the graded coordinate s.
     @cached_property
     def tails(self) -> Array:
-        """Largest of the last four coefficients of each zone (Z,), over its largest coefficient.
-        It shows whether there are enough modes.
+        """For each zone (Z,), the largest of the last four coefficients, divided by the largest.
+        This ratio shows whether there are enough modes.
         """
         c, out = np.abs(self.density.divided), np.zeros(len(self.density.zones))
         for zone, n in enumerate(self.system.sizes.tolist()):
@@ -310,8 +311,8 @@ class GradedState(Answered):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of the density times sqrt(1 - t^2) on each zone (Z,), due to errors of the system.
-        Those are errors of the rows of the linear system, such as round-off.
+        """Error of the density times sqrt(1 - t^2) on each zone (Z,), due to the linear system.
+        The rows of the system have errors such as round-off.
         """
         return self._errors[0]
 

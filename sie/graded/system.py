@@ -1,15 +1,16 @@
 """The rows of the equation on zones with graded coordinates.
 
 On each zone the density is F(s) / (sqrt(1 - s^2) dx/ds), with the graded coordinate s of
-`sie.graded.grading`. The unknowns are the values F_k of F at the n zeros s_k of T_n. They are the
-zone's charges: the integral of the density over it is pi/n sum F_k. By Gauss's rule, which holds
-for the principal value too at the n - 1 zeros s_r of U_(n-1) (F. Erdogan and G. D. Gupta, Quart.
-Appl. Math. 29, 1972, 525-534), the equation is
+`sie.graded.grading`. The unknowns are the values F_k of F at the n zeros s_k of T_n. They are
+called charges: the integral of the density over the zone is pi/n sum F_k. Gauss's rule also holds
+for the principal value at the n - 1 zeros s_r of U_(n-1) (F. Erdogan and G. D. Gupta, Quart. Appl.
+Math. 29, 1972, 525-534). By this rule, the equation is
 
-    sum_k (F_k / n) (dx/ds)_r K(x_r, x_k) - (dx/ds)_r sum lambda C(x_r) = (dx/ds)_r g(x_r).
+    sum_k (F_k / n) (dx/ds)_r K(x_r, x_k) - (dx/ds)_r sum lambda C(x_r) = (dx/ds)_r g(x_r),
 
-The sum runs over the nodes of all zones. Rows are multiplied by dx/ds, so that all are of the size
-of charges. Differences x_r - x_k are formed from distances from ends and from the gaps.
+with the kernel K, the columns C of unknown amplitudes lambda, and the right side g. The first sum
+runs over the nodes of all zones. Rows are multiplied by dx/ds, so that all are of the size of
+charges. Differences x_r - x_k are computed from distances from ends and from the widths of gaps.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class GradedOptions:
     # coordinate 50. Insensitive: half or twice this value changes only computing times.
     max_gap: float = 0.005
     # Up to this number of unknowns, the coordinate t of a zone is as fast as a graded one. Levels
-    # (constant parts of the potential on zones) have more digits with it.
+    # (constant parts of the potential on zones) have more digits with the coordinate t.
     min_plain_unknowns: int = 900
     # A gap wider than this multiple of its zone's width is replaced by this multiple, so that the
     # coordinate is defined next to infinite gaps. Next to such gaps the
@@ -288,7 +289,8 @@ class GradedSystem(Rows, Kept):
     def row_count(self, zone: int) -> int:
         """Number of rows (collocation nodes) of the equation on a solved zone.
 
-        On a zone about the centre of symmetry both sides are odd, so that its right half is enough.
+        On a zone about the centre of symmetry both sides of the equation are odd, so that the nodes
+        on the right half of the zone are enough.
         """
         count = int(self.sizes[zone]) - 1
         return count // 2 if self.zones.central and zone == self.zones.solved[0] else count
@@ -493,7 +495,7 @@ class GradedSystem(Rows, Kept):
 
 def _primitive(name: str, forcing: Forcing, x: Array) -> float:
     """Sum over the points x of the primitive of the right side or of a column.
-    name: this function in the message of the error.
+    name: how the error message calls this function.
     """
     if forcing.primitive is None:
         raise ValueError(f"a condition on potentials needs the primitive of {name}")

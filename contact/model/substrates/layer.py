@@ -8,7 +8,7 @@ With s = q h, h the thickness, and k = 3 - 4 nu (K. L. Johnson, Contact Mechanic
 For long waves L ~ s (1 - 2 nu) / (2 (1 - nu)^2) if bonded, and L ~ s / 2 if smooth; for waves
 shorter than the thickness both are 1. Numerators and denominators are multiplied by exp(-2s), so
 that nothing overflows. 2k sinh 2s - 4s is written as 2k (sinh 2s - 2s) + 4 (k - 1) s, in which
-nothing cancels: k - 1 = 2 (1 - 2 nu) vanishes where the layer keeps its volume.
+nothing cancels: k - 1 = 2 (1 - 2 nu) is 0 for an incompressible layer.
 """
 
 from dataclasses import dataclass

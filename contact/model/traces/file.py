@@ -1,8 +1,8 @@
 """The two columns of a trace in a text file of an instrument, a spreadsheet or a program.
 
-The delimiter, the decimal mark, the columns and their units have to be recognized. If this is
-possible in one way only, it is used. If there are two ways, the file is refused; the message shows
-both and the option that selects each.
+The delimiter, the decimal mark, the columns and their units have to be recognized. A file that can
+be read in one way only is read in this way. A file that can be read in two ways is refused; the
+message shows both ways and the option that selects each.
 """
 
 import re

@@ -2,8 +2,9 @@
 
 The weight is s(t) = exp(-pi (t/(alpha lambda))^2)/(alpha lambda) with alpha = sqrt(ln 2/pi) =
 0.4697. A wave of length l is multiplied by exp(-pi (alpha lambda/l)^2), which is 1/2 at the cut-off
-lambda. Near the ends of the trace, a straight line is fitted with the weights that lie within it
-(ISO 16610-28), so that straight lines are not changed.
+lambda. Around each point a straight line is fitted with these weights (ISO 16610-28), so that the
+filter does not change straight lines. Near the ends of the trace, only the weights of measured
+points count.
 """
 
 from math import ceil, log, pi, sqrt

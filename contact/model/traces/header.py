@@ -138,8 +138,8 @@ def unit_of(field: str, short: bool = False) -> Unit | None:
     """The unit in a field of a header; None if there is none.
 
     A unit stands in brackets or after a slash, a comma, a colon or "in": "x [um]", "Weg/mm", "X,
-    мм". The last word of other fields may be one: "Lateral um", "height_nm", "Zmm". short: a single
-    letter may be one, too, though it is mostly part of the name, as in "Height A".
+    мм". In other fields the last word may be a unit: "Lateral um", "height_nm", "Zmm". short:
+    whether a single letter may also be a unit. It is mostly part of the name, as in "Height A".
     """
     field = field.translate(_WIDE)
     for found in _BRACKETS.finditer(field):

@@ -1,8 +1,8 @@
 """Files of profilometers and microscopes, read by the package SurfaceTopography.
 
 The package comes with the extra `instruments`. A trace is a line scan or a line of a map z(x, y).
-The lines along x are numbered by their place in y, and those along y by their place in x. Heights
-on a line between two points are interpolated bilinearly.
+Lines along x are numbered in the order of their y, and lines along y in the order of their x.
+Heights on a line between two points are interpolated bilinearly.
 """
 
 import re
@@ -153,7 +153,8 @@ def of_map(
 ) -> tuple[Array, Array, str]:
     """Positions and heights on a line of an evenly spaced map, and a text that names the line.
 
-    sizes: lengths [m] of the map in x and y, one distance longer than from first to last point.
+    sizes: lengths [m] of the map in x and y. Each is one grid spacing longer than the distance from
+    the first to the last point.
     """
     nx, ny = heights.shape
     dx, dy = sizes[0] / nx, sizes[1] / ny

@@ -146,7 +146,8 @@ class Trace:
     source: tuple[Reading, Preparation] | None = None
 
 
-# Arguments for text tables, and arguments for files of instruments, with their default values.
+# Arguments that only text tables and arrays take, with default values. `_PLACE` below has those
+# for maps and the files of instruments.
 _LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimiter", "missing"))}
 # Arguments that are lengths [m], and may be quantities with units.
 _LENGTHS = ("pitch", "lambda_s", "lambda_c", "period")

@@ -227,8 +227,8 @@ def refuse_count(data: Data) -> None:
     """Refuse a row that holds the number of points, near the head of the table. It would be read as
     a point.
 
-    It is a whole number that equals the number of rows below it (in a long table, also below the
-    next two rows). Evenly spaced positions such as 11, 10, 9 are accepted.
+    Such a row begins with a whole number that equals the number of rows below it (in a long table,
+    also below the next two rows). Evenly spaced positions such as 11, 10, 9 are accepted.
     """
     total, mark = len(data.rows), data.layout.decimal
     first = [[row[k] if k < len(row) else "" for k in data.places] for row in data.cells[:5]]

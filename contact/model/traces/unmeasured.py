@@ -1,7 +1,7 @@
 """Intervals of a prepared trace whose heights were not measured.
 
-They are tapered ends, dropouts, and the piece that closes a period. Load in them is an artefact of
-the preparation; contact.solution.preparation measures it.
+They are tapered ends, dropouts, and the piece that closes a period. If such intervals carry load,
+this is an artefact of the preparation; contact.solution.preparation computes their share.
 """
 
 from __future__ import annotations
