@@ -187,7 +187,7 @@ class Conjugate(sie.Kept):
 
 
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
-    """Sum of the logarithmic terms of H f': one term for each kink (jump of the slope f').
+    """Logarithmic terms of the Hilbert transform H f', summed over all kinks (jumps of f').
 
     A kink at s with the jump J has the logarithm (J / pi) ln|2 sin(pi (x - s) / L)|, L the period.
     """
@@ -344,12 +344,12 @@ def _sampled_series(
 
 
 def _series_error(coefficients: Array, used: int, rounding: float) -> float:
-    """Estimated largest error of f' and H f' if only the first `used` Fourier terms are summed.
+    """Estimated largest error of the slope and its transform, with the first `used` Fourier terms.
 
     coefficients: of the slope at evenly spaced places. used: number of terms in use. The terms left
     out, at least the last octave, are the residual: noise of the slope, an undeclared jump, or
-    truncation. The error of H f' is the transform of the residual. Both are evaluated at the
-    samples.
+    truncation. The error of the transform is the transform of the residual. The residual and its
+    transform are evaluated at the samples.
 
     Between the samples, the transform grows logarithmically towards a jump. So the margin is larger
     if the terms fall as slowly as those of a jump, by half per octave.

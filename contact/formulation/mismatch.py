@@ -76,7 +76,7 @@ class MeanLevel(sie.Condition):
 
 @record
 class SlidingRelief(Relief):
-    """Function R for sliding bodies (kappa): in full contact p = mean pressure - (E*/2) R."""
+    """The relief R for sliding bodies (kappa): in full contact p = mean pressure - (E*/2) R."""
 
     kappa: float
 
@@ -95,7 +95,7 @@ class SlidingRelief(Relief):
 
     @cached_property
     def smooth(self) -> Callable[[Array], Array]:  # type: ignore[override]
-        """R minus the logarithms of the kinks; this function jumps at the kinks."""
+        """The relief R minus the logarithms of the kinks; this function jumps at the kinks."""
         conjugate, slope = self._plain.smooth, self.profile.slope
 
         def value(x: Array) -> Array:

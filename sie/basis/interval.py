@@ -95,7 +95,7 @@ def decay_rate(excess: Any) -> Array:
 
 
 def excess_of(rate: float) -> float:
-    """The excess |zeta| - 1 at which powers of rho decay with the rate -log|rho| = `rate`."""
+    """The excess |zeta| - 1 for which `decay_rate` gives the given rate."""
     return 2 * float(np.sinh(0.5 * rate)) ** 2
 
 
@@ -193,10 +193,10 @@ class Outside(Seen):
 class OnLine(Seen):
     """Points of the real line, on or off an interval, in coordinates relative to the interval.
 
-    left, right: distances from the ends divided by the half width, positive inside. root:
-    sqrt(|zeta^2 - 1|), with the sign of zeta off the interval. on: whether a point is on the
-    interval; there rho has no meaning and is set to 0.5. any_on: whether any point is on its
-    interval.
+    For zeta and rho see `Seen`. left, right: zeta + 1 and 1 - zeta, which are the distances from
+    the ends divided by the half width, positive inside. root: sqrt(|zeta^2 - 1|), with the sign of
+    zeta off the interval. on: whether a point is on the interval; there rho has no meaning and is
+    set to 0.5. any_on: whether any point is on its interval.
     """
 
     left: Array
@@ -249,8 +249,9 @@ def complex_of(x: Any, y: Any) -> Complex:
 class InPlane:
     """Complex points x + iy, y >= 0, in coordinates relative to an interval, one for each point.
 
-    left = zeta + 1 and less = zeta - 1 have the square roots p and m in the first quadrant. Then R
-    = p m, rho = 2 / (p + m)^2 and 1 - rho = 2 m / (p + m).
+    With zeta = (x + iy - middle) / half width, left = zeta + 1 and less = zeta - 1. Their square
+    roots p and m lie in the first quadrant. Then sqrt(zeta^2 - 1) = p m. For rho = zeta -
+    sqrt(zeta^2 - 1), rho = 2 / (p + m)^2 and 1 - rho = 2 m / (p + m).
     """
 
     left: Complex

@@ -335,7 +335,8 @@ class JacobiFunctions(Kept):
     def split_slope(self, split: Split, points: Points) -> Number:
         """Derivative by zeta of the transform of a density that is given as a `Split`.
 
-        The derivative of (1 - t^2) w q_n by t is -(n + 1) S_(n+1).
+        The derivative of (1 - t^2) w q_n by t is -(n + 1) w p_(n+1), with the weight w and the
+        Jacobi polynomials p_n and q_n.
         """
 
         def of(half: JacobiFunctions, sign: float, less: Number, left: Number) -> Number:
@@ -448,8 +449,8 @@ class JacobiFunctions(Kept):
         """Chebyshev moments (length, count) that give the field of each w p_n off the interval.
         w is the weight, p_n a Jacobi polynomial, and n < `count`.
 
-        m[l, n] = (2 - delta_l0) / pi int S_n T_l dt. Off the interval sum_n c_n S_n has the field
-        of sum_l (m c)_l T_l / sqrt(1 - t^2). Coefficients with l < n are zero.
+        With S_n = w p_n, m[l, n] = (2 - delta_l0) / pi int S_n T_l dt. Off the interval sum_n c_n
+        S_n has the field of sum_l (m c)_l T_l / sqrt(1 - t^2). Moments with l < n are zero.
         """
         return _moments(self.kappa, count, length)
 

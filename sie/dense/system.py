@@ -41,7 +41,7 @@ class Layout:
     """Order of the unknowns in their array: coefficients zone by zone, then amplitudes.
 
     Zone i has the coefficients offset[i] ... offset[i] + m[i]. The amplitudes of the columns follow
-    after all zones.
+    after all zones. m: highest mode of each zone; columns: number of columns.
     """
 
     m: Index
@@ -371,8 +371,8 @@ class System(Rows):
     def unseen_moments(self) -> Array | None:
         """Moments, on `panels`, of the part of the density above mode m; None if not needed.
 
-        The coefficients above m are known, from g and the jumps of g. The result is None without
-        panels, or if modes up to m resolve the regular part of the kernel.
+        The coefficients above m are known, from the right side and its jumps. The result is None
+        without panels, or if modes up to m resolve the regular part of the kernel.
         """
         zones, panels = self.zones, self.panels
         if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
@@ -386,7 +386,7 @@ class System(Rows):
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
         """Part of (equation's rows, zones' levels) that is due to the kernel's regular part.
-        The level of a zone is the mean of the potential minus the primitive of g.
+        The level of a zone is the mean of the potential minus the primitive of the right side.
 
         moments: moments of the density on the panels.
         """
@@ -511,8 +511,8 @@ class System(Rows):
     def beyond(self) -> Array:
         """Known coefficients (zones, n + 1) of the density that contribute to the intensities K.
 
-        Above m they are minus those of the right side. Up to m they correct for jumps whose
-        coefficients are contained in the unknowns.
+        Above the highest mode m they are minus those of the right side. Up to m they correct for
+        jumps whose coefficients are contained in the unknowns.
         """
         count = max(self.g.shape[1], self.taken.shape[1])
         g, taken = widened(self.g, count), widened(self.taken, count)
@@ -543,7 +543,7 @@ class System(Rows):
 
     def level_changes(self, y: Array) -> Array:
         """The part of the zones' `levels` that is linear in the unknowns y.
-        The level of a zone is the mean of the potential minus the primitive of g.
+        The level of a zone is the mean of the potential minus the primitive of the right side.
         """
         return np.asarray(self.levels()[0] @ y)
 
@@ -557,13 +557,14 @@ class System(Rows):
 
     def level_rounding(self, y: Array) -> Array | float:
         """Root mean square round-off of each zone's level, as far as the potentials cause it.
-        The level is the mean over the zone of the potential minus the primitive of g.
+        The level is the mean over the zone of the potential minus the primitive of the right side.
         """
         return 2.2e-16 * root_of_squares(self.levels()[0], y)
 
     def levels(self) -> Linear:
         """(rows, constants) such that the levels of the solved zones are rows @ y + constants.
-        y: the unknowns. The level of a zone is the mean of the potential minus the primitive of g.
+        y: the unknowns. The level of a zone is the mean of the potential minus the primitive of the
+        right side g.
 
         The mean of a zone's own potential is w c_0 log(w / 2), with the half width w. The mean of
         the primitive of g follows from its values at the ends and from the coefficients of g, since

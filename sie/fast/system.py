@@ -289,11 +289,11 @@ class IterativeSystem(System):
     def level_rounding(self, y: Array) -> Array | float:
         """Estimated round-off of the level of each zone, the constant part of the potential on it.
 
-        A level is a zone's mean of the potential minus the primitive of g. If a condition contains
-        the level of each zone, the round-off is that of the sum of all terms of a level. These are
-        at most all totals times the logarithm of the farthest distance, plus the largest own term.
-        Otherwise only differences between the levels of neighbours matter, and the round-off is
-        that of the terms that differ.
+        The level is the mean of the potential minus the primitive of the right side. If a condition
+        contains the level of each zone, the round-off is that of the sum of all terms of a level.
+        The terms are at most all totals times the logarithm of the farthest distance, plus the
+        largest own term. Otherwise only differences between the levels of neighbours matter, and
+        the round-off is that of the terms that differ.
         """
         zones, datum = self.zones, self.equation.kernel.datum
         own = np.abs(zones.half * y[self.layout.offset])

@@ -12,10 +12,10 @@ def near_fields(begin: int, end: int, pairs: Any, series: Any, nodes: Any, field
     """Set the fields of near zones on the targets begin ... end - 1, from the zones' coefficients.
 
     pairs: (first pair of each target, then for each pair: first coefficient of the source, number
-    of terms, sign of zeta, gap, half width of the source, half width of the target). series:
-    coefficients of all zones. nodes: (first node of each target; distances of the nodes from the
-    left and from the right end of the target, divided by its half width). fields: the transform at
-    the nodes.
+    of terms, sign, gap, half width of the source, half width of the target). The sign is 1 if the
+    target lies to the right of the source, else -1. series: coefficients of all zones. nodes:
+    (first node of each target; distances of the nodes from the left and from the right end of the
+    target, divided by its half width). fields: the transform at the nodes.
     """
     first, start, terms, sign, gap, half, width = pairs
     first_node, from_left, from_right = nodes

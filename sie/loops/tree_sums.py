@@ -20,10 +20,12 @@ LANES = 64
 def far_fields(begin: int, end: int, pairs: Any, moments: Any, nodes: Any, fields: Any) -> None:
     """Add the fields of far sources at the targets begin ... end - 1 of a list of node pairs.
 
-    pairs: (first pair of each target, targets, then for each pair: source, sign of zeta, gap, half
-    width of the source, half width of the target, rho and log at the target's middle). moments:
-    those of the sources, doubled for k > 0, and the same divided by k. fields: the transform at the
-    Chebyshev `nodes` of the targets (targets, terms), and the potential at their middles.
+    pairs: (first pair of each target, targets, then for each pair: source, sign, gap, half width of
+    the source, half width of the target, `rho` and `first` as in `Outside` for the target's middle
+    relative to the source). The sign is 1 if the target lies to the right of the source, else -1.
+    moments: moments of order k of the sources, doubled for k > 0; and these divided by k. fields:
+    the transform at the Chebyshev `nodes` of the targets (targets, terms), and the potential at the
+    middles of the targets.
     """
     first, target, source, sign, gap, half, width, centre, log = pairs
     doubled, divided = moments

@@ -37,10 +37,10 @@ Number = NDArray[Any]
 
 @record
 class KnownJumps(Kept):
-    """Jumps on one zone: of g (`order` 0), or of the derivative of g of the order k = `order`.
+    """Jumps, on one zone, of the right side g or of its derivative of the order k = `order`.
 
     x: their places; closed: their closed forms; factors: J w^k / k! (see the head of this module).
-    Far from the zone all its jumps together are one series of Chebyshev moments.
+    Far from the zone, all jumps of the zone together are one series of Chebyshev moments.
     """
 
     zone: int

@@ -117,15 +117,15 @@ class SecondKindState(Resolved):
     @property
     def levels(self) -> Array:
         """Level of each zone: a constant on the zone, see `SecondKindRows.levels`.
-        It is the constant of (potential + integral of kappa phi - primitive of g).
+        It is the constant of (potential + integral of kappa phi - primitive of g), with the density
+        phi and the right side g.
         """
         rows, constants = self.system.levels()
         return np.asarray(rows @ self.unknowns + constants)
 
     def level_rates(self, values: Array) -> Array:
         """Changes of the zones' levels for given changes of the side conditions' values.
-        The level of a zone is the constant of (potential + integral of kappa phi - primitive of g)
-        on it.
+        See `levels`.
         """
         return np.asarray(self.system.levels()[0] @ self.solver(self._right_of(values)))
 
@@ -282,8 +282,7 @@ class SecondKindState(Resolved):
     @property
     def _level_errors(self) -> Array:
         """Round-off of the zones' levels, in each row of the side conditions.
-        The level of a zone is the constant of (potential + integral of kappa phi - primitive of g)
-        on it.
+        `levels` defines the level of a zone.
 
         A row may contain differences of levels, which are smaller than the levels themselves. A
         potential next to a strong singularity is a sum of some eight terms.

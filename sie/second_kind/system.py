@@ -270,10 +270,11 @@ class SecondKindRows(Rows):
         return left, right
 
     def levels(self) -> Linear:
-        """Level of each zone: the constant that the potential minus the primitive of g has there.
+        """Level of each zone: a constant that follows from the density phi and the right side g.
 
-        With kappa the integral of kappa phi from the first end is added to the potential. The level
-        is a mean over the nodes. The potential of a zone's own density is in closed form.
+        On a zone, the potential plus the integral of kappa phi from the first end of all zones,
+        minus the primitives of g and of the columns, is constant. The level is the mean of this sum
+        over the nodes. The potential of a zone's own density is in closed form.
         """
         return self._levels
 
