@@ -332,8 +332,8 @@ def _receded(
 ) -> State | None:
     """The contact that is left after the ends of a wide interval of tension have receded.
 
-    The interval is wider than that of the advancing contact. Its ends, and the ends of wider
-    intervals, are driven inward.
+    The wide interval contains all intervals of the advancing contact. Its ends, and the ends of
+    wider intervals, are driven inward.
     """
     pressed = max(value, 0.0)
     here = advancing(context, scaled, curve, pressed)
@@ -349,7 +349,7 @@ def _receded(
 
 
 def _driven_inward_about(curve: CohesiveCurve, here: CohesiveState, value: float) -> Array:
-    """One interval around those of the state `here`, so wide that its ends are driven inward."""
+    """One interval around all intervals of `here`, so wide that its ends are driven inward."""
     first, last = float(here.table[0, 0]), float(here.table[-1, 1])
     middle, half = 0.5 * (first + last), 0.5 * (last - first)
     for _ in range(LIMITS.max_iterations):

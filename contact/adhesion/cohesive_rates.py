@@ -1,4 +1,4 @@
-"""Rates of a state under a cohesive law: derivatives by the ends of the intervals of tension.
+"""Rates of a state under a cohesive law: derivatives with respect to the ends of the tension.
 
 The residual of an end at c is r = 1 - gap(c)/h, with the reach h of the tension. The derivatives of
 r include the motion of the zones. Moving an end of the tension adds a point source at c. To first
@@ -96,8 +96,8 @@ def _answers(
 
 
 def own_gap_rates(pulled: TractionLoaded, at: Array, transform: Array) -> Array:
-    """Derivatives of the gap at the tension's ends by outward displacements of these ends.
-    The contact pressure q is held fixed.
+    """Derivatives (2n, 2n) of the gap at the tension's ends, for fixed contact pressure q.
+    They are with respect to outward displacements of these ends.
 
     transform: the kernel's transform of the contact pressure q at the ends.
     """

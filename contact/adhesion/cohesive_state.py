@@ -71,7 +71,7 @@ class CohesiveState(State):
 
     @property
     def rate(self) -> float:
-        """Derivative of the load by the approach along the curve, for a state under fixed load."""
+        """Derivative d load / d approach along the curve, for a state under fixed load."""
         ends = np.linalg.solve(-self.rates, self.by_value)
         return float(-1.0 / (self.level_rates[-1] + self.level_rates[:-1] @ ends))
 
@@ -82,7 +82,8 @@ class CohesiveState(State):
     @property
     def gains(self) -> Array:
         """Factors (2n,) from rates of the residuals to second derivatives of the energy: here 1.
-        The residuals are already proportional to first derivatives of the energy by the ends.
+        The residuals are already proportional to the first derivatives of the energy with respect
+        to the ends.
         """
         return np.ones(len(self.residual))
 

@@ -1,10 +1,10 @@
 """The curve of equilibria under a law of prescribed edge intensities (JKR).
 
-A state is a contact on given zones. At every end the residual is r_i = K_i - K*: the edge intensity
-K_i less that of the law, K* < 0. An end is driven outward while r_i > 0: when it moves by ds, the
-energy changes by (pi/E*)(K_i^2 - K*^2) ds. Equilibria have r = 0. They are found by growing and
-shrinking (contact.adhesion.gradient_flow) and followed along their curve
-(contact.adhesion.arc_length).
+A state is a contact on given zones. At every end i the residual is r_i = K_i - K*: the edge
+intensity K_i of the pressure minus the intensity K* < 0 that the law prescribes. An end is driven
+outward while r_i > 0: when it moves by ds, the energy changes by (pi/E*)(K_i^2 - K*^2) ds.
+Equilibria have r = 0. They are found from zones that grow or shrink
+(contact.adhesion.gradient_flow), and followed along their curve (contact.adhesion.arc_length).
 
 A sharp corner, beyond which the profile ends, is an obstacle. An end that is driven outward there
 (r >= 0) is pinned and does not move; an end that is driven inward leaves it. So an equilibrium
@@ -146,7 +146,7 @@ class State:
 
     @property
     def weight(self) -> Array:
-        """Scale (2n,) of the derivative dr/ds of each end's residual r by its own displacement s.
+        """Scale (2n,) of each end's dr/ds, with its residual r and outward displacement s.
         Rates dr/ds divided by these scales are comparable between wide and narrow zones.
         """
         return np.maximum(np.abs(np.diag(self.rates)), 1.0 / self.widths)
@@ -194,7 +194,7 @@ class State:
         return growth, second[1][:, None] * motions
 
     def _driven(self, ends: Index) -> Array:
-        """Derivatives of the given ends' residuals by displacements of these ends.
+        """Derivatives of the given ends' residuals with respect to displacements of these ends.
         Each row is divided by the end's scale in `weight`.
         """
         return np.asarray(self.rates[np.ix_(ends, ends)] / self.weight[ends, None])
@@ -204,8 +204,8 @@ class State:
         `_driven` is the matrix of scaled rates of the residuals. An eigenvector of the symmetric
         matrix, times the factors, is an eigenvector of `_driven`.
 
-        None where K/K* of an end is not positive, since the energy does not determine the rates, or
-        where an interaction has no energy.
+        None if K/K* of an end is not positive, since the energy then does not determine the rates,
+        or if the interaction derives from no energy.
         """
         gains = self.gains[ends]
         if gains.min(initial=1.0) <= 0.0:
@@ -275,7 +275,7 @@ class Curve:
         pinned: Mask | None = None,
     ) -> State:
         """The state on given zones: the solution of one linear problem, with residuals and rates.
-        The rates are derivatives of the residuals of all ends by the positions of the ends.
+        The rates are derivatives of the residuals of all ends with respect to the ends.
 
         Zones are cut at sharp corners. pinned: mask of the pinned ends; None: those at a corner
         that are not driven inward.
@@ -312,13 +312,13 @@ class Curve:
     def _intensity_rates(
         self, state: sie.State, equation: sie.Equation, tolerance: float
     ) -> tuple[Array, Array]:
-        """(derivatives (2n, 2n) of the edge intensities by the ends, (2n,) by the control)."""
+        """(d intensity / d end (2n, 2n), d intensity / d control (2n,)) of the edge intensities."""
         state = direct(state, equation, tolerance)
         values = np.zeros(len(state.condition_scale))
         first = state.condition_index[0]
-        # `values` is the derivative of the side conditions' right side by the control. A load
-        # changes one row, that of the total load. An approach changes, with a minus sign, the row
-        # of every zone.
+        # `values` is the derivative of the side conditions' right side with respect to the control.
+        # A load changes one row, the row of the total load. An approach changes, with a minus sign,
+        # the row of every zone.
         by_load = self.control.load is not None
         rows = 1 if by_load else len(state.density.zones)
         values[first : first + rows] = 1.0 if by_load else -1.0

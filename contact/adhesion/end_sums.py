@@ -1,4 +1,4 @@
-"""Fast sums over the ends of many intervals of a function of the distance from each end.
+"""Fast sums over the ends of many intervals; each term depends on the distance from one end.
 
 The line is divided into cells between neighbouring ends; a cell with more than a few ends near it
 is halved. The sum over ends farther away than the width of a cell is a short Chebyshev series on

@@ -61,8 +61,8 @@ class Jump:
 def moves_both_ways(curve: Curve) -> bool:
     """Whether an advancing end may make other ends recede under this control.
 
-    It may under a fixed approach over a whole period or between sharp corners. Then every change of
-    the control is followed through all jumps.
+    This happens under a fixed approach over a whole period or between sharp corners. Then every
+    change of the control is followed through all jumps.
     """
     return curve.control.load is None and (
         curve.problem.period is not None or curve.problem.profile.support is not None

@@ -229,7 +229,7 @@ class GridGuide(sie.Kept):
     def _table(self, below: Mask, above: Array) -> Array:
         """Scaled intervals in which the gap on the grid is below a limit.
 
-        below: cells with a gap below the limit; above: the gap less the limit.
+        below: cells with a gap below the limit; above: the gap minus the limit.
         """
         if self.repeats and below.all():
             raise Closed

@@ -32,9 +32,9 @@ def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> Cohesiv
     """A state whose zones are slightly narrower than those of a certain equilibrium.
     This is the smallest equilibrium whose zones contain the given `zones`.
 
-    All ends of the state are driven outward. The state is built around the zones of the contact
-    under a law without range with a little less adhesion. None if strips are wider than zones, or
-    if no such state is found.
+    All ends of the state are driven outward. The state is built around the zones of a contact under
+    a law without range (JKR), whose work of adhesion is a little smaller. None if strips are wider
+    than zones, or if no such state is found.
     """
     for margin in MOVES.margins:
         short = _curve_without_range(curve, zones, 1.0 - margin)

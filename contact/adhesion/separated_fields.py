@@ -137,7 +137,7 @@ class SeparatedFields(NoZones):
 
     @cached_property
     def borne_beside(self) -> float:  # type: ignore[override]
-        """Scaled integral over the intervals of tension of pressure * (profile height - gap)."""
+        """Scaled integral of pressure * (profile height - gap) over the intervals of tension."""
         return -self.tension.stress * integral_outside(
             lambda x: self.pulled.own_shape(x) - self.scaled_gap(x),
             self.pulled,

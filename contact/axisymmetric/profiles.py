@@ -6,9 +6,9 @@ r"""Axisymmetric asperities f(r), f(0) = 0, and the Abel transforms that solve t
              = (E*/pi) int_0^a (s f')'(s) M(r, s) ds
     M(r, s)  = int_max(r,s)^a dx / sqrt((x^2 - r^2)(x^2 - s^2))
 
-for a spot of radius a (Galin; Green & Collins; Sneddon 1965, doi 10.1016/0020-7225(65)90019-4;
-method of dimensionality reduction). f may have any shape; a subclass must define its slope and may
-give the other functions in closed form.
+for a spot of radius a with the load P and the pressure p (Galin; Green & Collins; Sneddon 1965, doi
+10.1016/0020-7225(65)90019-4; method of dimensionality reduction). f may have any shape; a subclass
+must define the slope f' and may give the other functions in closed form.
 """
 
 from collections.abc import Callable, Sequence

@@ -57,11 +57,12 @@ class TwoZones(PairRow):
 class LocalizedPair(TwoZones):
     """The solution of the paper's equation (35), in which artanh is not approximated.
 
-    The pressure (36) is evaluated by a Chebyshev series in x^2. closure: the nominal pressure is
-    the given mean ("self-consistent", as in the paper), or that of the isolated pair of the same
-    total width ("first-order"). centre: the strip is centred on the "pair" (as in the paper) or on
-    the "valley" at L/2 between two pairs, which is the better choice if L < 4c, since the nearest
-    asperities then belong to different pairs.
+    The pressure (36) is evaluated by a Chebyshev series in x^2. closure: the nominal pressure
+    outside the strip is the given mean pressure ("self-consistent", as in the paper), or the load
+    of the isolated pair with the same total width, divided by L ("first-order"). centre: the strip
+    is centred on the "pair" (as in the paper) or on the "valley" at L/2 between two pairs. The
+    valley is the better choice if L < 4c, since the nearest asperities then belong to different
+    pairs.
     """
 
     closure: str = SELF_CONSISTENT

@@ -34,10 +34,10 @@ def partial_slip(
 ) -> Slip:
     """Shear and slip of a contact under a tangential load, applied after the normal load.
 
-    The shear is friction times the difference of two pressures: that of the contact, and that
-    under the smaller load P - |Q| / friction, whose zones stick (J. Jaeger, J. Appl. Mech. 65,
-    1998, 255-263; M. Ciavarella, Int. J. Solids Struct. 35, 1998, 2349-2362). Any number of zones
-    may touch. The zones share one tangential displacement.
+    The shear is friction times a difference: the pressure of the contact minus the pressure under
+    the smaller load P - |Q| / friction, whose zones stick (J. Jaeger, J. Appl. Mech. 65, 1998,
+    255-263; M. Ciavarella, Int. J. Solids Struct. 35, 1998, 2349-2362). Any number of zones may
+    touch. The zones share one tangential displacement.
 
     Parameters
     ----------

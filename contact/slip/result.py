@@ -191,8 +191,8 @@ class Slip(sie.Kept):
     ) -> Stress:
         """Plane stresses [Pa] in body 1 at points (x, y) [m], y >= 0 into the body.
 
-        They are those of the pressure, the shear and the bulk stress. For the parameters and the
-        result see `Solution.stress`.
+        The pressure, the shear and the bulk stress cause them. For the parameters and the result
+        see `Solution.stress`.
 
         Raises
         ------

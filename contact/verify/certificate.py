@@ -319,8 +319,8 @@ def pressure_signs(fields: ZoneFields, limit: float | None = None) -> Signs:
     """Signs of the scaled pressure divided by sqrt(1 - t^2), on all zones.
     t is the normalised position in a zone, from -1 to 1.
 
-    limit: None, or the scaled limit of the pressure; then the signs are those of the limit less the
-    pressure.
+    limit: None, or the scaled limit of the pressure; then the signs are those of the difference
+    limit - pressure.
     """
     density, noise = fields.density, fields.state.noise
 
@@ -359,11 +359,11 @@ def bounded_weight(zones: sie.Zones, left: Array, right: Array) -> Array:
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
-    """Intervals of negative pressure around concave kinks, and a number of unresolved gaps.
-    This number is that of the concave kinks whose gap is narrower than the samples resolve.
+    """(intervals of negative pressure around concave kinks, number of unresolved gaps at kinks).
 
-    At a jump J < 0 of f' the pressure goes to -inf as (E* |J| / 2 pi) ln(distance): there is a gap,
-    however narrow. It is unresolved if it is narrower than the nearest sample.
+    At a jump J < 0 of the profile's slope f', the pressure goes to -inf as
+    (E* |J| / 2 pi) ln(distance). So there is a gap, however narrow. The gap is unresolved if it is
+    narrower than the distance of the nearest sample from the kink.
     """
     density, forcing = fields.density, fields.problem.forcing
     kinks, heights = forcing.kinks

@@ -6,7 +6,7 @@ come from the residual of Newton's method, from truncation of the series and fro
 pressure of a zone follows its ends (`sie.Density.sensitivity`), and is itself in error by
 truncation.
 
-If the gaps are the unknown, the stated error is still that of the contact between them.
+If the gaps are the unknown, the stated error still bounds the errors of the zones and the pressure.
 """
 
 from __future__ import annotations
@@ -348,11 +348,12 @@ class SolvedGaps(Solved):
     def _error(self, of_relief: float) -> float:
         """The stated error of the solution, for a given error of the relief R.
 
-        An error delta of an end of a gap has three effects. It shifts normalised positions in the
-        zone next to the gap, by delta divided by the zone's width. It thereby changes the pressure
-        in the zone, by delta times the slope of the pressure. Next to a tip this slope is J / pi
-        divided by the distance. It changes the pressure close to the gap, which varies on the
-        length of the gap's width, by delta divided by that width.
+        An error delta of an end of a gap has three effects. (i) Normalised positions in the zone
+        next to the gap shift by delta divided by the zone's width. (ii) The pressure in the zone
+        changes by delta times the slope of the pressure. Next to a tip (a convex kink of the
+        profile with a jump J of the slope) the slope of the pressure is J / pi divided by the
+        distance from the tip. (iii) Close to the gap, where the pressure varies over the width of
+        the gap, its relative change is delta divided by this width.
         """
         # The unknowns of this equation lie on the gaps of the contact. So its zones are these gaps,
         # and the spaces between its zones are in contact. `sie` can treat a narrow space inside a
@@ -450,5 +451,5 @@ class SolvedGaps(Solved):
 
     @property
     def widening(self) -> Array:
-        """Absolute value of the derivative of each end of the gaps (n, 2) by the mean pressure."""
+        """|d end / d mean pressure| of each end of the gaps (n, 2)."""
         return np.asarray(np.abs(moved_ends(self.fields.state)).T)

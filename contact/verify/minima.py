@@ -95,9 +95,9 @@ def zoomed(
 ) -> tuple[Array, Array, tuple[Any, ...]]:
     """Narrower brackets around the smallest sample of each row, for rows that need more samples.
 
-    at, value: places and values of the samples (k, n). rounding: that of the values (k,). others:
-    arrays (k,) to be reduced to the rows that remain. Returns the lower and upper ends of the
-    brackets, and the others.
+    at, value: places and values of the samples (k, n). rounding: rounding of the values in each row
+    (k,). others: arrays (k,) to be reduced to the rows that remain. Returns the lower and upper
+    ends of the brackets, and the reduced arrays.
 
     A bracket is left out if the parabola through its samples does not fall below -rounding. It is
     also left out if several samples of its row are below -rounding: these samples show how wide the

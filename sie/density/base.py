@@ -88,7 +88,7 @@ class DensityBase(Kept):
         return self.at(zone, 1 + t, 1 - t)
 
     def by_angle(self, zone: ArrayLike, angle: Array) -> tuple[Array, Array]:
-        """(density, derivative of the density by the angle) on zones, at t = cos(angle).
+        """(density, d density / d angle) on zones, at t = cos(angle).
 
         The derivative is a central difference.
         """

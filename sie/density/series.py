@@ -100,7 +100,7 @@ class Series(DensityBase):
         """Number of angles theta = arccos(t) that resolve the density on each zone (Z,).
         The angles are equidistant.
 
-        It is twice the number of modes, plus four for every jump.
+        It is twice the number of terms of the Chebyshev series, plus four for every jump.
         """
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.zeros(len(self.zones), dtype=np.intp)

@@ -8,7 +8,8 @@ rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, and t = cos(theta), the bounded densi
 
 has the transform (1/pi) ln(2 |rho| |t - s|) on the zone, and (2/pi) ln(1 - rho rho_z) off it, where
 rho_z is rho of the point z. It is the density of `sie.jumps.density` with rho^j in place of
-cos(j phi). Without it a logarithm close to an end would need 1/sqrt(distance) modes.
+cos(j phi). Without this closed form, a logarithm close to an end would need a Chebyshev series of
+about 1/sqrt(distance) terms.
 
 If the logarithm is at the end itself, rho is 1 or -1. Then beta is (theta - pi)/pi or theta/pi: the
 density with the value -1 at the right end, or 1 at the left end, and 0 at the other one (the value
@@ -87,9 +88,10 @@ class ExteriorLogarithms(PerZone):
         return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Derivatives by theta of the density that each logarithm causes, at both ends of its zone.
+        """(at left ends, at right ends) slopes of the density that each logarithm causes.
 
-        At the end with the logarithm they are those of the density minus its value there.
+        A slope is the derivative with respect to the angle from the end, taken inside the zone. At
+        an end at which the logarithm stands, the density itself does not tend to zero.
         """
         w, rho = self.weight, self.rho
         with np.errstate(divide="ignore"):

@@ -1,8 +1,8 @@
 """Logarithmic terms of the right side, which jumps of the density on the zones cause.
 
 For a jump J of the density at s the caller omits (J/pi) Lambda(x, s) from the values of the right
-side, with Lambda the kernel's potential. Here it is added, from distances that lose no digit on
-the narrowest zone.
+side, with Lambda the kernel's potential. This module adds the omitted term, computed from distances
+that lose no digit even on very narrow zones.
 
 A plateau, on which the density has the value v, is no zone. The density on the zones jumps by -v
 where the plateau begins and by v where it ends, and the terms of these jumps are minus the

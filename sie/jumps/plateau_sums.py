@@ -4,7 +4,7 @@ A plateau is an interval beside a zone, on which the density has a given constan
 lag y from its beginning and y' from its end, the plateau has the transform (v/pi) (ln|y| - ln|y'|)
 for each pole of the kernel. The points lie in cells, which are intervals of the line. On each cell,
 the transform of all distant plateaus is one Chebyshev series (`sie.trees.far`). The few plateaus
-near a cell are added in closed form. So a singular term may be replaced there.
+near a cell are added in closed form, so that the caller may replace their singular terms.
 """
 
 from collections.abc import Callable
@@ -53,7 +53,7 @@ class PlateauSums:
     def __call__(self, cell: Index, left: Array, near: OfPairs, potential: bool = False) -> Array:
         """Transform of all plateaus at points (n,), or the potential if `potential` is true.
 
-        cell: cell of each point; left: its distance from the cell's left end.
+        cell: cell of each point; left: distance of the point from the cell's left end.
         """
         out = np.empty(len(left))
         count = self.start[cell + 1] - self.start[cell]

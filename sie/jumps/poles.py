@@ -13,8 +13,8 @@ rule in log(eta), of step h, gives
 
 with an aliasing error of exp(-pi^2/h) relative to |y|^p, for all y (Trefethen, Weideman, SIAM
 Rev. 56, 2014, 385-458). Poles with eta above the half width are omitted: their field is smooth on
-the zone, and its modes represent it. The transform on the line maps c_k to i c_k, which gives the
-algebraic points of the wanted density.
+the zone, so that the Chebyshev series of the zone represents it. The transform on the line maps c_k
+to i c_k, which gives the algebraic points of the wanted density.
 
 Let t = (x - middle)/w be the position of a point x in half widths w, z the position of a pole, and
 rho = z - (z^2 - 1)^(1/2), q = -2 c / (z^2 - 1)^(1/2). For a point off the zone, rho_x is rho with t
@@ -349,7 +349,10 @@ class Poles(PerZone):
         return np.asarray(np.bincount(self.zone, parts.real, zones), dtype=float)
 
     def edge_slopes(self, zones: int) -> tuple[Array, Array]:
-        """Derivatives by theta of the poles' density, at the left and right end of each zone."""
+        """(at left ends, at right ends of the zones) slopes of the poles' density.
+
+        A slope is the derivative with respect to the angle from the end.
+        """
         p, m = self.roots
         left, right = (0.5 * self.q / root**2 for root in (p, m))
         out = np.array(

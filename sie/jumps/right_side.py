@@ -466,9 +466,10 @@ class ForcingJumps(PlacedJumps):
         return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
-        """Derivatives by theta of the closed-form density, at the left and right end of each zone.
+        """(at left ends, at right ends of the zones) slopes of the closed-form density.
 
-        Close to an end the density is the slope times the angle theta from that end.
+        Close to an end, the density is the slope times the angle from that end: theta from a right
+        end, pi - theta from a left end.
         """
         out = np.array(
             [np.bincount(self.zone, part, minlength=len(zones)) for part in self._edge_slopes()],
@@ -486,7 +487,7 @@ class ForcingJumps(PlacedJumps):
         return out[0], out[1]
 
     def _edge_slopes(self) -> tuple[Array, Array]:
-        """Derivatives by theta of each jump's density, at the left and right end of its zone.
+        """(at left ends, at right ends) slopes of each jump's density, as in `edge_slopes`.
 
         At the right end kappa ~ theta cot(phi/2).
         """

@@ -213,7 +213,7 @@ class QuadraticSpline(Kept):
 
     @property
     def edge_slopes(self) -> tuple[float, float]:
-        """Derivatives by theta at the zone's ends: zero, since the spline is zero there."""
+        """Slopes of the spline at the zone's ends: zero, since the spline is zero near the ends."""
         return 0.0, 0.0
 
     @property
@@ -611,7 +611,8 @@ def _two_pieces(
 ) -> tuple[Callable[[Array], Array], float]:
     """A function of two quadratic pieces on [0, 2], and half of its second derivative's jump.
 
-    It has the given values and slopes at 0 and 2. It and its slope are continuous at the cut.
+    The function has the given values and slopes at 0 and 2. At the cut, it is continuous and has a
+    continuous slope.
     """
     beyond = 2.0 - cut
     # `before`, `middle` and `after` are Bezier control points of the two quadratic pieces.
