@@ -299,10 +299,10 @@ def load_curve(scene: Scene, control: Handle, tol: float, progress: Progress) ->
 
 @dataclass(frozen=True)
 class Branches:
-    """The load curve of surfaces that adhere, as lines of points.
-    Approach and separation have lines of their own, with jumps between lines.
+    """The load curve of surfaces that adhere, as lines of points with jumps between the lines.
 
-    advancing, receding: the lines under a rising and under a falling control.
+    advancing, receding: the lines under a rising and under a falling control; jumps: pairs of
+    points, before and after each jump.
     """
 
     advancing: list[list[Point]]

@@ -45,7 +45,8 @@ class Spots:
 
     def zones(self, problem: Problem, limit: float) -> sie.Zones:
         """The elastic parts of the contacts, as zones for the solver.
-        At plateaus they end with the pressure `limit`, in scaled units.
+
+        At the ends next to plateaus the pressure of a part is `limit`, in scaled units.
         """
         lo, hi = problem.corners
         free, value = problem.end, sie.free_with_value(limit)

@@ -48,7 +48,8 @@ from sie.slits.slits import OPTIONS, SlitGeometry, Slits
 
 # Bound of |rho|, below which a short series is enough. rho = zeta - sqrt(zeta^2 - 1), with the
 # coordinate zeta of a wide zone, falls with the distance from the zone. The first `min_slack_modes`
-# coefficients of the slack (the unknown function in a slit) then give its field to round-off.
+# coefficients of the slack (the unknown function in a slit) then give the slack's field to
+# round-off.
 _FAR = float(np.exp(-DIGITS / OPTIONS.min_slack_modes))
 # Number of panels of the vertical path along which the potential is integrated. Each panel is half
 # as high as the panel above it. The lowest panel is as high as the round-off of the path's height.

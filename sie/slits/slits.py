@@ -332,9 +332,10 @@ class Slit(Kept):
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r that gives r @ d, the mean of the integral of the slit's unknown function.
-        d: coefficients of this function (called slack). The mean is over the wide zone, with the
-        weight 1 / sqrt(1 - t^2).
+        """Row vector r for which r @ d is the mean of the slit's opening over the wide zone.
+
+        The opening is the integral of the slack s, the unknown function in the slit. d: series of
+        s sqrt(1 - t^2) on the slit. The mean has the weight 1 / sqrt(1 - t^2).
         """
         middle = self.angle(np.ones(1), np.ones(1))
         return self.width * self.means((self.theta - middle) / self.x_root)
@@ -574,15 +575,16 @@ class Slits(Kept):
 
     @property
     def mean_of_kinks(self) -> float:
-        """Mean, over the wide zone, of the integral of the known function psi. Jumps of the right
-        side inside the slits cause psi, a part of the unknown function there.
+        """Mean over the wide zone of the integral of psi, the known part of the slack.
+
+        Jumps of the right side inside the slits cause psi, see `SlitKink.slope`.
         """
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
 
     @cached_property
     def mean_row(self) -> Array:
-        """Row vector r that gives r @ d, the mean of the integral of the slits' unknown function.
-        d: coefficients of this function (called slack) on all slits. The mean is over the wide
-        zone.
+        """Row vector r for which r @ d is the mean of the slits' openings over the wide zone.
+
+        d: the series of all slits, one after the other; see `Slit.mean_row`.
         """
         return np.concatenate([slit.mean_row for slit in self.slits])

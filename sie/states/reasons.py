@@ -23,8 +23,8 @@ class ReasonOptions:
     """Limit that decides which cause is named as the reason for an error."""
 
     # The residuals of the equations change the density. If this change, divided by the residuals,
-    # is above this ratio, the side conditions nearly depend on each other. A residual up to this
-    # multiple of the round-off of its terms is explained by round-off.
+    # is above this ratio, the side conditions nearly depend on each other. A residual counts as
+    # round-off if it is at most this number times the round-off of its terms.
     max_ratio: float = 1e4
 
 

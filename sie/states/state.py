@@ -86,12 +86,12 @@ class State(Solved):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of each zone's density (Z,) by truncation and round-off of the equations' rows."""
+        """Error of each zone's density (Z,) due to truncation and round-off of the rows."""
         return density_rounding(self, self.missing, self.low_residuals)
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Error of the position of each moving end by truncated series, in half widths (Z, 2).
+        """Position error of each moving end due to truncated series, in half widths (Z, 2).
 
         An error dK of the intensity moves an end by 2 dK / A, with the edge slope A.
         """

@@ -379,7 +379,9 @@ class _FromLoad(SymmetricZone):
 @dataclass(frozen=True)
 class IsolatedZone(_FromLoad):
     """Base class of the solutions of one isolated zone.
-    Its approach needs a datum d: far away, the displacement is proportional to ln|x/d|.
+
+    The approach is known only with a datum d: far away, the displacement is proportional to
+    ln|x/d|.
     """
 
     E_star: float

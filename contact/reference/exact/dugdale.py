@@ -56,8 +56,9 @@ class _DugdaleState(AdhesiveZone):
     cohesive_end: float
 
     def pressure(self, x: ArrayLike) -> Array:
-        """Pressure p(x) [Pa].
-        It is -stress where the tension acts (half width < |x| < `cohesive_end`), and 0 farther out.
+        """Pressure p(x) [Pa], negative where the tension acts.
+
+        It is -`stress` for half width <= |x| < `cohesive_end`, and 0 farther out.
         """
         r = np.abs(self._reduced(x))
         cohesive = (r >= self.half_width) & (r < self.cohesive_end)

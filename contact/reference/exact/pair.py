@@ -207,10 +207,11 @@ def _values(
 
 def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
     """Middle of a zone of half width `half` in y = v^2, with bounded pressure; or None.
-    The condition is g_0 = 0 for the mean g_0 of G = f'/v over the angle (head of this module).
-    There is no such middle if the zones have met at x = 0, or if y reaches `limit`. g_0 grows with
-    the middle: it is negative if the tip lies further out than the zone, and positive if the tip
-    lies further in.
+
+    The pressure is bounded at both ends of this zone if g_0 = 0, where g_0 is the mean of G = f'/v
+    over the angle theta (head of this module). There is no such middle if the zones have met at x =
+    0, or if y reaches `limit`. g_0 grows with the middle: it is negative if the tip lies further
+    out than the zone, and positive if the tip lies further in.
     """
 
     def g_0(middle: float) -> float:

@@ -246,11 +246,11 @@ class CohesiveDesign:
         return 3 * len(self.cohesive) - 1 + sum(strip.direction == 0 for strip in self._strips)
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
-        """The two parts of the slope of the gap at points t: from the polynomial M of the design
-        (see the head of this file), and from the tension.
+        """The two parts of the slope of the gap at points t: from M, and from the tension.
 
-        The first part has one column for each coefficient of M. The artanh of the strips in this
-        gap is left out; `_gap_parts` integrates it.
+        M is the polynomial at the head of this module. The first part has one column for each
+        coefficient of M. The artanh of the strips in this gap is left out; `_gap_parts` integrates
+        it.
         """
         by_tension = np.zeros(t.shape)
         for strip in self._strips:

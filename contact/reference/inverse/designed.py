@@ -160,7 +160,8 @@ class GivenZones(ExactContact):
 
     def _of_slope(self, harmonics: Array) -> Fourier:
         """The periodic profile whose slope has the Fourier coefficients `harmonics`.
-        They belong to e^{-2 pi i m x/L} for m >= 1.
+
+        The coefficients belong to e^{-2 pi i m x/L} for m = 1, 2, ...
         """
         wave = 2.0 * self._extended._turn * np.arange(1, len(harmonics) + 1)
         cosine, sine = -2.0 * harmonics.imag / wave, 2.0 * harmonics.real / wave

@@ -71,9 +71,7 @@ class OneGap:
         return found
 
     def _moved(self, shift: float, stretch: float) -> OneGap:
-        """The contact with a changed gap.
-        It is moved by `shift` half widths and widened by the factor exp(`stretch`).
-        """
+        """The contact with its gap moved by `shift` half widths and widened by exp(`stretch`)."""
         middle, half = self.middle + shift * self.half_gap, self.half_gap * np.exp(stretch)
         return OneGap(self.profile, self.mean, float(middle), float(half))
 

@@ -1,4 +1,4 @@
-"""True errors: a solution against an exact one, or one by another formulation.
+"""True errors: a solution compared with an exact solution, or with one by another formulation.
 
 Both measures are relative to the largest pressure, or to the mean contact pressure if the peak is
 infinite. `stated_measure` is what `Solution.error` bounds: errors of pressures at equal normalised
