@@ -192,7 +192,6 @@ def _show(table: Any, seconds: float) -> None:
 
 def _span(values: Any, unit: str, digits: int = 6) -> str:
     """The least and the greatest of the values, as text in a common unit.
-
     If both are shown alike, one is given. If the values are texts, all are listed. The result is ""
     if there are no values.
     """

@@ -309,7 +309,6 @@ def _distribution(
     axes: Any, measured: Roughness, heights: tuple[Array, Array], scale: tuple[float, str]
 ) -> None:
     """Draw the distribution of the heights, and the normal distribution with the same Rq.
-
     heights: (edges of the height classes [m], probability density in each class [1/m]); scale:
     (units per metre, name of the unit) of the heights in the picture.
     """

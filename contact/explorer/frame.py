@@ -245,7 +245,6 @@ def message(error: Exception) -> str:
 
 def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[str, str]]:
     """The point of a solution on the load curve, with the names and units of the axes.
-
     Returns (abscissa, ordinate, (name, unit) of the abscissa, (name, unit) of the ordinate). The
     abscissa is the approach, or the width in contact if there is no approach. The ordinate is the
     mean pressure, or the load without a period.

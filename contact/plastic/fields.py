@@ -99,7 +99,6 @@ class PlasticFields(ZoneFields):
 
     def overlap(self, x: ArrayLike) -> Array:
         """Height [m] at x [m] that the body lost by yielding; 0 outside the plateaus.
-
         Without this loss of height, the surfaces would overlap.
         """
         scaled = self._scaled(x)

@@ -45,7 +45,6 @@ class Spots:
 
     def zones(self, problem: Problem, limit: float) -> sie.Zones:
         """The elastic parts of the contacts, as zones for the solver.
-
         At the ends next to plateaus the pressure of a part is `limit`, in scaled units.
         """
         lo, hi = problem.corners
@@ -174,7 +173,6 @@ def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
 
 def joined(plateaus: Array, more: Array, period: float | None) -> Array:
     """The union of two tables of plateaus; empty if the plateaus cover the period.
-
     period: None if plateaus do not meet across the border of the period.
     """
     # Plateaus whose ends differ by round-off only are joined.

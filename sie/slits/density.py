@@ -286,7 +286,6 @@ class SlitDensity(DensityBase):
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """Largest density on each zone, and its largest changes if the left or right end moves.
-
         Returns (densities, changes for left ends, changes for right ends); see
         `Density.sensitivity`. Differences between points replace the series, which a single given
         zone does not have.
@@ -423,7 +422,6 @@ class SlitDensity(DensityBase):
 
     def _smooth_series(self, piece: int) -> Array:
         """Coefficients in T_j / sqrt(1 - t^2) of the smooth part of the density on a given zone.
-
         The smooth part is the density minus the logarithms that jumps of the right side cause. t is
         the coordinate of the given zone.
         """

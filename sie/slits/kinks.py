@@ -147,7 +147,6 @@ class SlitKink(Kept):
     @property
     def at_ends(self) -> float:
         """Coefficient J of psi near the slit's ends, where psi is -+(J/pi) sqrt(2 delta).
-
         The sign is minus at the left end and plus at the right end. psi is the jump's part of the
         slack (the slit's unknown function), see `slope`. delta is the distance from the end,
         divided by the slit's half width.
@@ -221,7 +220,6 @@ class SlitKink(Kept):
     @cached_property
     def polynomial(self) -> tuple[float, float]:
         """(value at the slit's middle, slope) of a linear function P of the coordinate t.
-
         -P sqrt(1 - t^2) is a term of the density that the jump and psi (see `slope`) cause. P is
         zero for a jump of order 0 and constant for order 1.
         """

@@ -311,7 +311,6 @@ class Slit(Kept):
 
     def means(self, values: Array) -> Array:
         """Means over the slit of a function times T_l(z), l = 0 ... `modes`.
-
         values: values of the function at the slit's Gauss nodes, along the last axis. The means
         have the weight 1 / sqrt(1 - z^2), with the slit's coordinate z.
         """
@@ -333,7 +332,6 @@ class Slit(Kept):
     @cached_property
     def mean_row(self) -> Array:
         """Row vector r for which r @ d is the mean of the slit's opening over the wide zone.
-
         The opening is the integral of the slack s, the unknown function in the slit. d: series of
         s sqrt(1 - t^2) on the slit. The mean has the weight 1 / sqrt(1 - t^2).
         """
@@ -576,7 +574,6 @@ class Slits(Kept):
     @property
     def mean_of_kinks(self) -> float:
         """Mean over the wide zone of the integral of psi, the known part of the slack.
-
         Jumps of the right side inside the slits cause psi, see `SlitKink.slope`.
         """
         return self.w * sum(kink.mean_opening for _, kink in self.kinks)
@@ -584,7 +581,7 @@ class Slits(Kept):
     @cached_property
     def mean_row(self) -> Array:
         """Row vector r for which r @ d is the mean of the slits' openings over the wide zone.
-
-        d: the series of all slits, one after the other; see `Slit.mean_row`.
+        The opening is the integral of the slack, the unknown function in the slits. d: the series
+        of all slits, one after the other; see `Slit.mean_row`.
         """
         return np.concatenate([slit.mean_row for slit in self.slits])

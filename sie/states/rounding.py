@@ -90,7 +90,7 @@ def _of_others(state: Solved) -> Array | float:
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Error of each zone's intensities K due to round-off of levels; 0 if no level counts.
+    """Error of intensities K (Z,) due to round-off of levels; 0 if no condition uses levels.
     K is the coefficient of 1 / sqrt(distance) close to an end. A level is the constant part of the
     potential on a zone.
     """
@@ -164,7 +164,7 @@ def truncation_through_rows(state: Solved, missing: Array, low: Array) -> Array:
 
 
 def _row_truncation(state: Solved, solver: Factored, missing: Array, low: Array) -> Array:
-    """Error of each row of the system due to truncated coefficients and low residual modes.
+    """Error of each row of the system due to truncated coefficients and low modes of the residual.
 
     missing: sum of the truncated coefficients (Z,); low: amplitudes of the residual's lowest modes
     (solved zones, modes). Truncated coefficients act on the rows as the last kept coefficient does,

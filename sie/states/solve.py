@@ -155,7 +155,6 @@ def solve_fixed(
 
 def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
     """Number of modes of each zone for the next solution; None if the present numbers suffice.
-
     Only modes whose coefficients are unknowns of the linear system for all zones are counted. Each
     zone gets its own number, since it would cost too much to give all zones as many as the worst
     one. A zone gets no more modes if its last coefficients (`tails`) are below the error of an

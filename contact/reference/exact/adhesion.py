@@ -87,7 +87,6 @@ class AdhesiveZone(SymmetricZone):
 
     def _approach_rate(self, load: float, at_load: float) -> float:
         """Derivative of the approach by the parameter of the equilibria; nan without a datum.
-
         load: derivative of the load. at_load: derivative of the approach at constant load. Both are
         derivatives by the same parameter.
         """
@@ -248,7 +247,6 @@ class Equilibria(Generic[State]):
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
         """Parameters and loads at both ends of each branch that is stable at prescribed load.
-
         Each row is (first parameter, last parameter, load at the first, load at the last).
         """
         return [

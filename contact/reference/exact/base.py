@@ -303,7 +303,6 @@ class SymmetricZone(PressedBody):
     @property
     def _sine_unit(self) -> float:
         """Factor that turns the result of `_sine` into a length [m]: L/pi with the period L.
-
         It is 1 for an isolated zone, where `_sine` is a length already.
         """
         return 1.0 if self.period is None else self.period / pi
@@ -379,7 +378,6 @@ class _FromLoad(SymmetricZone):
 @dataclass(frozen=True)
 class IsolatedZone(_FromLoad):
     """Base class of the solutions of one isolated zone.
-
     The approach is known only with a datum d: far away, the displacement is proportional to
     ln|x/d|.
     """

@@ -57,7 +57,6 @@ class _DugdaleState(AdhesiveZone):
 
     def pressure(self, x: ArrayLike) -> Array:
         """Pressure p(x) [Pa], negative where the tension acts.
-
         It is -`stress` for half width <= |x| < `cohesive_end`, and 0 farther out.
         """
         r = np.abs(self._reduced(x))
@@ -233,7 +232,6 @@ class DugdaleZone(_DugdaleState):
     @property
     def surface_energy(self) -> float:
         """Energy of the interface [J/m]: 2 stress int_a^c gap dx - 2 c work.
-
         The tension acts on a < |x| < c, with the zone's end a.
         """
 
@@ -606,7 +604,6 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
     def at(self, parameter: float) -> _DugdaleState:
         """The equilibrium with this `parameter`: the end c of the tension, up to half a period.
-
         Above half a period the tension acts on the whole gap. Then `parameter` minus half a period
         is the growth of the zone's half width since the tension reached the middle of the gap.
         """

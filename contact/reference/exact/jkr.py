@@ -148,8 +148,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
 @dataclass(frozen=True)
 class JKRCylinder(Cylinder, _JKREquilibria):
     """The equilibria of an isolated parabola f = x^2/2R under JKR adhesion.
-
-    The parameter of the curve is the half width a of the zone. It gives the load
+    The parameter of the curve of equilibria is the half width a of the zone.
 
     P = pi E* a^2/4R - sqrt(2 pi E* a w), and with a datum d
     approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a).
@@ -220,9 +219,9 @@ class JKRCylinder(Cylinder, _JKREquilibria):
 @dataclass(frozen=True)
 class JKRWave(Wave, _JKREquilibria):
     """The equilibria of a wave f = Delta (1 - cos(2 pi x/L)) under JKR adhesion.
+    The parameter of the curve of equilibria is the half width a of the zone.
 
-    The parameter of the curve is the half width a of the zone. With A = pi a/L, p* = pi E* Delta/L
-    and alpha^2 = 2 w L/(pi^2 E* Delta^2) (Johnson 1995),
+    With A = pi a/L, p* = pi E* Delta/L and alpha^2 = 2 w L/(pi^2 E* Delta^2) (Johnson 1995),
 
     mean pressure = p* (sin^2 A - alpha sqrt(tan A)),
     approach = Delta sin^2 A (1 - ln sin^2 A) + alpha Delta sqrt(tan A) ln sin^2 A.

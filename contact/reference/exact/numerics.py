@@ -32,10 +32,10 @@ FROM_LEFT, FROM_RIGHT, WEIGHT = _tanh_sinh()
 
 def integrated(function: Callable[[Array, Array], Array], length: ArrayLike) -> Array:
     """Integral of a function from 0 to `length`.
-
     The arguments of the function are the distances from both ends of the interval. So the function
-    can be computed accurately next to each end. `length` may be an array; the integral has its
-    shape.
+    can be computed accurately next to each end.
+
+    `length` may be an array; the integral has its shape.
     """
     length = np.asarray(length, dtype=np.float64)
     values = function(length[..., None] * FROM_LEFT, length[..., None] * FROM_RIGHT)

@@ -51,9 +51,9 @@ class Pair:
 @dataclass(frozen=True, eq=False)
 class EvenPair(Pair):
     """Two zones a <= |x| <= b with an even pressure, solved as one zone in the variable y = v^2.
+    Here v is x or, with a period L, tan(pi x/L).
 
-    v is x or, with a period L, tan(pi x/L). With y = m + h cos(theta), the pressure is
-    p = (E*/2)|v| sum g_n sin(n theta). An isolated pair carries the load P = pi E* h g_1/4; for the
+    With y = m + h cos(theta), the pressure is p = (E*/2)|v| sum g_n sin(n theta). An isolated pair carries the load P = pi E* h g_1/4; for the
     load with a period see the head of this module. Derived here; for f'/v linear in y the formulas
     are (32) and (33) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 
@@ -118,7 +118,6 @@ class EvenPair(Pair):
         period: float | None = None,
     ) -> "EvenPair":
         """The pair of zones for a right side G = f'/v that is given as a function `ratio`.
-
         `ratio` is sampled at Chebyshev nodes. It is singular at y = `limit`; the distance of the
         zone from this singularity sets the number of nodes.
         """
@@ -207,7 +206,6 @@ def _values(
 
 def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
     """Middle of a zone of half width `half` in y = v^2, with bounded pressure; or None.
-
     The pressure is bounded at both ends of this zone if g_0 = 0, where g_0 is the mean of G = f'/v
     over the angle theta (head of this module). There is no such middle if the zones have met at x =
     0, or if y reaches `limit`. g_0 grows with the middle: it is negative if the tip lies further

@@ -412,7 +412,6 @@ def is_stable(design: AdhesiveDesign) -> bool:
 
 def _low_modes(design: AdhesiveDesign, modes: Array) -> Array:
     """Values (..., n - 1) of the basis functions of the polynomial T (head of this module).
-
     They are the basis functions of M, given as `modes`, without the highest polynomial. With a
     period, the highest cosine and the highest sine are left out instead.
     """
@@ -421,7 +420,6 @@ def _low_modes(design: AdhesiveDesign, modes: Array) -> Array:
 
 def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
     """Coefficients of the polynomial T (head of this module); shape (2n, n - 1).
-
     Row j belongs to a unit motion of end j, and T is a part of the field that this motion causes. T
     makes the integral of the field vanish over every gap.
     """

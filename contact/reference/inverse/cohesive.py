@@ -247,8 +247,9 @@ class CohesiveDesign:
 
     def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
         """The two parts of the slope of the gap at points t: from M, and from the tension.
+        M is the polynomial at the head of this module.
 
-        M is the polynomial at the head of this module. The first part has one column for each
+        The first part has one column for each
         coefficient of M. The artanh of the strips in this gap is left out; `_gap_parts` integrates
         it.
         """

@@ -160,7 +160,6 @@ class GivenZones(ExactContact):
 
     def _of_slope(self, harmonics: Array) -> Fourier:
         """The periodic profile whose slope has the Fourier coefficients `harmonics`.
-
         The coefficients belong to e^{-2 pi i m x/L} for m = 1, 2, ...
         """
         wave = 2.0 * self._extended._turn * np.arange(1, len(harmonics) + 1)
@@ -262,7 +261,6 @@ class GivenZones(ExactContact):
 
     def _greatest(self, margin: float, samples: int) -> float:
         """Largest pressure [Pa] of all zones.
-
         Each zone is searched at the normalised positions cos(phi) in [-1, 1]. The angle phi goes
         from `margin` to pi - `margin`.
         """

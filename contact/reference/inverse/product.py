@@ -130,8 +130,7 @@ class CutProduct:
     def _root_distances(
         self, i: int, dl: Array, dr: Array, offsets: Array
     ) -> tuple[Array, Array, Mask]:
-        """Distances from points of interval i to all roots of M, one root in each gap.
-
+        """Distances from points of interval i to all roots of M, which has one root in each gap.
         Returns (distances leftward, distances rightward, mask of the roots on the left of interval
         i, with the root in gap i). `offsets`, (roots, 2), are the distances of the roots from the
         ends of their gaps. For the root r in the point's own gap the leftward distance is x - r

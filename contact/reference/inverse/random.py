@@ -253,7 +253,6 @@ def random_cohesive_problem(
 
 def _first_at(free: DesignedContact, start: float, stop: float, reach: float) -> float:
     """The x nearest to `start`, between `start` and `stop`, at which the gap equals `reach`.
-
     If there is no such x, `stop` is returned.
     """
     x = start + (stop - start) * np.linspace(0.0, 1.0, 2001)[1:] ** 2

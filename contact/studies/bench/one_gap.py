@@ -116,7 +116,6 @@ class OneGap:
     @property
     def _residual(self) -> Array:
         """Residuals of the two conditions that determine the gap's middle and half width.
-
         The residuals are G_0 - B, and the integral of s/(1 + eta^2) over eta (head of this module).
         """
         series, moment = self._excess

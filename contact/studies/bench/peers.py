@@ -157,7 +157,6 @@ def _measured(
 
 def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
     """Least time of the runs that reach an error; None if the run on the finest grid does not.
-
     The rows go from coarse to fine grids. A run counts only if all runs on finer grids reach the
     error as well.
     """

@@ -60,7 +60,6 @@ def line_of_scene(rows: list[Row], scene: str) -> str:
 
 def line_of_size(row: Scaled) -> str:
     """Return a line of text with the time for one size of a series.
-
     The time is also given in units of the floor, the time of the least work that any solver by
     direct sums must do.
     """
@@ -102,7 +101,6 @@ def precision_table(rows: list[Row], tols: Sequence[float] = (1e-4, 1e-12)) -> T
 
 def stated_table(rows: list[Row]) -> Table:
     """Table that shows how often the stated error is a bound of the true error, and sharp.
-
     A stated error is sharp if it is at most 100 max(true error, 1e-13).
     """
     mine = [
@@ -175,7 +173,6 @@ def _peers_table(
 
 def _reach(rows: list[Row], error: float, measure: str) -> str:
     """Return, as text, the time in which a method reaches an error.
-
     If the error is not reached, the text is "more than" and the time of the longest run.
     """
     if not rows:

@@ -171,7 +171,6 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
 
 def fitted(rows: list[Scaled]) -> list[Scaled]:
     """Return the rows from which the exponent of a power law is fitted.
-
     The rows belong to the larger half of the sizes; there are at least three. If at least three
     rows have the same kind of sums (fast or by a matrix) as the largest size, all other rows are
     left out first.
