@@ -116,16 +116,15 @@ class SlitDensity(DensityBase):
     @cached_property
     def series(self) -> list[list[Array]]:
         """Series of sigma = s sqrt(1 - t^2) in each slit (narrow gap); s is the unknown there.
+        s is called the slack, and t is the coordinate of the wide zone around the slit.
 
-        s is called the slack, and t is the coordinate of the wide zone around the slit. If
-        `bounded_ends`, traces of the intensity K at the slits' ends are removed.
+        If `bounded_ends`, traces of the intensity K at the slits' ends are removed.
         """
         split = [np.split(d, here.offset[1:-1]) for here, d in zip(self.slits, self.d, strict=True)]
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
         """Series of s X^(1 - power) in each slit (narrow gap); s is the unknown function there.
-
         s is called the slack. X = sqrt(1 - t^2), with the coordinate t of the wide zone around the
         slit.
         """
@@ -137,9 +136,10 @@ class SlitDensity(DensityBase):
     @cached_property
     def _tilde(self) -> list[list[Array]]:
         """Series of s / X in each slit (narrow gap); s is the unknown function there.
-
         s is called the slack. X = sqrt(1 - t^2), with the coordinate t of the wide zone around the
-        slit. X times the Cauchy transform of sigma / X^2 is the density P[s] that the slack causes,
+        slit.
+
+        X times the Cauchy transform of sigma / X^2 is the density P[s] that the slack causes,
         except for its part (alpha + beta t) / X.
         """
         found = self._of_slits(2)
@@ -148,7 +148,6 @@ class SlitDensity(DensityBase):
     @cached_property
     def sigma(self) -> Density:
         """s sqrt(1 - t^2) in the slits (narrow gaps), as a `Density`; s is the unknown there.
-
         s is called the slack, and t is the coordinate of the wide zone around a slit.
         """
         return self._on_slits(self.series)
@@ -230,7 +229,7 @@ class SlitDensity(DensityBase):
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
         """Intensities K at the left and right end of each given zone.
-
+        K is the coefficient of 1 / sqrt(distance) in the density close to an end.
         At an end of a slit, K is the intensity of sigma / X, with the opposite sign at the slit's
         left end. X is sqrt(1 - t^2), with the coordinate t of the wide zone.
         """
@@ -238,8 +237,8 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """Edge slopes A, the coefficients of sqrt(d), at the left and right end of each given zone.
-
+        """Edge slopes A of the density at the left and right end of each given zone.
+        A is the coefficient of sqrt(d) at the distance d from the end.
         At an end of a slit, A is the edge slope of sigma / X, with the opposite sign at the slit's
         right end. X is sqrt(1 - t^2), with the coordinate t of the wide zone.
         """

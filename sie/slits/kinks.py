@@ -107,16 +107,16 @@ class SlitKink(Kept):
     # the jump causes, and it is known in closed form.
     @cached_property
     def _weights(self) -> tuple[float, ...]:
-        """Coefficients e_j of the means b_j in psi (see `mixed`), j = 0 ... q, the jump's order."""
+        """Coefficients e_j, j = 0 ... q, of the sum in `mixed`; q is the order of the jump."""
         return ((1.0,), (-self.zeta, 1.0), (self.zeta**2 - 0.5, -2 * self.zeta, 1.0))[self.order]
 
     def mixed(self, of_powers: Iterable[Any]) -> Any:
-        """half^q * sum of e_j `of_powers`[j], which forms psi from means over the slit.
+        """half^q times the sum of e_j `of_powers`[j] over j = 0 ... q, the order of the jump.
+        The e_j are those of `_weights`. This sum forms psi, the part of the slack (the slit's
+        unknown function) that the jump causes.
 
-        The sum runs over j = 0 ... q, with e_j from `_weights` and the order q of the jump. psi is
-        the jump's part of the slack (the slit's unknown function). It is h half^q (z - zeta)_+^q
-        minus h times this sum of the means b_j of (z - .)_+^j. The same sum acts on every function
-        derived from the powers.
+        psi is h half^q (z - zeta)_+^q, minus h times this sum of the means b_j of (z - .)_+^j. The
+        same sum acts on every function derived from the powers.
         """
         return self.half**self.order * sum(
             e * part for e, part in zip(self._weights, of_powers, strict=False)
@@ -156,9 +156,11 @@ class SlitKink(Kept):
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
         """Quadrature rule (from_left, from_right, angles, weights W): int psi f dt = sum W f.
+        The integral runs over the slit. psi is the part of the slack (the slit's unknown function)
+        that the jump causes, and f is any smooth function.
 
-        The integral runs over the slit; for psi see `slope`. from_left, from_right: distances of
-        the nodes from the ends of the wide zone; angles: of the nodes in that zone.
+        from_left, from_right: distances of the nodes from the ends of the wide zone; angles: of the
+        nodes in that zone.
         """
         border = float(theta(*self._jump_distances[::-1]))
         beta, weights = legendre(np.array([0.0, border, np.pi]), _NODES)
@@ -171,8 +173,8 @@ class SlitKink(Kept):
     @cached_property
     def _over_root(self) -> Array:
         """Weights of a quadrature rule for integrals of psi f / (pi X), with X = sqrt(1 - t^2).
-
-        f is any smooth function, and t is the coordinate of the wide zone.
+        psi is the part of the slack due to the jump (see `slope`), f is any smooth function, and t
+        is the coordinate of the wide zone.
         """
         from_left, from_right, _, weight = self.seen
         return np.asarray(weight / root_weight(from_left, from_right) / np.pi)
@@ -194,8 +196,7 @@ class SlitKink(Kept):
 
     @property
     def mean_opening(self) -> float:
-        """Mean of the opening due to psi over the wide zone, divided by the zone's half width.
-
+        """Mean over the wide zone of the opening due to psi, divided by the zone's half width.
         psi is the jump's part of the slack, the slit's unknown function (see `slope`). The opening
         is the integral of psi from the slit's left end. The mean has the weight
         1 / sqrt(1 - t^2).
@@ -209,7 +210,6 @@ class SlitKink(Kept):
     @cached_property
     def edge(self) -> tuple[float, float]:
         """(a_0, a_1) of the part (a_0 + a_1 t) / sqrt(1 - t^2) of the density that psi causes.
-
         psi is the jump's part of the slack (the slit's unknown function), see `slope`.
         """
         from_left, from_right, _, _ = self.seen
@@ -307,7 +307,6 @@ class SlitKink(Kept):
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """Mean over the slit that replaces the jump's singular density (t - s)^q kappa.
-
         kappa is a logarithm that is infinite at the jump's position s, and q is the jump's order.
         For q = 0 the mean is bar(kappa); the other formulas are at the head of this file.
         """

@@ -436,12 +436,12 @@ class Slits(Kept):
         self, jumps: ForcingJumps, middle: Array, half: Array, nearest: Array, waves: Array
     ) -> Array:
         """Number of modes that each slit's unknown function needs.
-        Its later Chebyshev coefficients are below round-off.
+        Chebyshev coefficients of this function beyond the number are below round-off.
 
-        It follows from the nearest singularities: far ends of the adjacent given zones, and jumps
-        outside the slits. middle, half: middles and half widths of the slits, divided by the zone's
-        half width; nearest: distance to the nearest far end, divided by the slit's half width;
-        waves: modes needed for the zone's own series over the slit.
+        The number follows from the nearest singularities: far ends of the adjacent given zones, and
+        jumps outside the slits. middle, half: middles and half widths of the slits, divided by the
+        zone's half width; nearest: distance to the nearest far end, divided by the slit's half
+        width; waves: modes needed for the zone's own series over the slit.
         """
         sharp = np.setdiff1d(
             np.flatnonzero((jumps.zone == self.zone) & (jumps.order == 0)), self._inside
@@ -551,7 +551,6 @@ class Slits(Kept):
     @cached_property
     def slack_matrix(self) -> Array:
         """Matrix from the series d of all slits to sine coefficients s_k of the slack.
-
         The slack is the unknown function in the slits. k runs from 0 to the larger of `modes` and
         `min_slack_modes`.
         """

@@ -371,7 +371,7 @@ class SlitState(Answered):
 
     def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
         """Errors of the intensities K at the ends of the given zones (2, n).
-
+        K is the coefficient of 1 / sqrt(distance) in the density close to an end.
         of_coefficients: sum of the errors of the coefficients on each wide zone; at_slits: a factor
         at ends of slits.
         """
@@ -383,7 +383,7 @@ class SlitState(Answered):
     @cached_property
     def intensity_noise(self) -> Array:
         """Round-off of the intensities K at the left and right ends of the given zones (2, n).
-
+        K is the coefficient of 1 / sqrt(distance) in the density close to an end.
         At the ends of slits the round-off is not averaged over a zone, and gets the factor
         `ERRORS.safety`.
         """

@@ -375,10 +375,9 @@ def residual_errors(
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:
-    """Size of the last coefficients of the field that other zones cause on each zone (Z,).
-
-    The field is that of the other zones and of the columns. The sizes are divided by the largest
-    coefficient of the zone's density.
+    """Size of the last coefficients of the field on each zone (Z,), relative to its density.
+    The field is that of the other zones and of the columns (terms of unknown amplitude). The sizes
+    are divided by the largest coefficient of the zone's density.
     """
     layout, g = system.layout, system.lowest
     if layout.m.max() < 8:
@@ -399,8 +398,10 @@ def _last_of_fields(
     system: System, y: Array, fall: Array | None = None, continued: bool = True
 ) -> Array:
     """Largest of the last three of the m coefficients of the field on each zone (Z,).
+    The field is that of the other zones and of the columns (terms of unknown amplitude), and m is
+    the number of modes of the zone.
 
-    The field is that of the other zones and of the columns. The result is 0 for fewer than 8 modes.
+    The result is 0 for fewer than 8 modes.
     fall: ratio of successive coefficients; continued: whether each of the three is extrapolated to
     the last one with this ratio. Sampling at m nodes subtracts coefficient m + 1 + j from
     m + 1 - j, so that only the fraction 1 - fall^(2 j) of a slowly decaying one remains.

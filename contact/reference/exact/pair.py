@@ -53,9 +53,10 @@ class EvenPair(Pair):
     """Two zones a <= |x| <= b with an even pressure, solved as one zone in the variable y = v^2.
     Here v is x or, with a period L, tan(pi x/L).
 
-    With y = m + h cos(theta), the pressure is p = (E*/2)|v| sum g_n sin(n theta). An isolated pair carries the load P = pi E* h g_1/4; for the
-    load with a period see the head of this module. Derived here; for f'/v linear in y the formulas
-    are (32) and (33) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+    With y = m + h cos(theta), the pressure is p = (E*/2)|v| sum g_n sin(n theta). An isolated pair
+    carries the load P = pi E* h g_1/4; for the load with a period see the head of this module.
+    Derived here; for f'/v linear in y the formulas are (32) and (33) of Goryacheva & Tsukanov
+    (2020), doi 10.3389/fmech.2020.00045.
 
     Parameters
     ----------

@@ -155,7 +155,8 @@ class AdhesiveDesign(GivenZones):
         return np.asarray(self._signs * size * np.sqrt(per_length / product.end_factors()))
 
     def _modes(self, product: CutProduct, i: int, dl: Any, dr: Any) -> Any:
-        """Basis functions of M at points of interval i. M is the smooth part of R = M + poles.
+        """Values of the basis functions of M at points of interval i.
+        M is the smooth part of the function R = M + poles at the head of this module.
 
         The array is (..., number of functions).
         """
@@ -186,9 +187,9 @@ class AdhesiveDesign(GivenZones):
     @cached_property
     def _zone_integrals(self) -> tuple[Any, Any]:
         """(loads of all zones due to each basis function of M, loads due to the poles of R).
-        The pressure is +-(E*/2)|X| R, with R = M + poles.
+        The pressure is +-(E*/2)|X| R, with R = M + poles (head of this module).
 
-        M and R: head of this module. The first array, (n, count), has one column for each
+        The first array, (n, count), has one column for each
         coefficient of M; the second is (n,).
         """
         half = np.longdouble(self.E_star) / 2
@@ -199,7 +200,7 @@ class AdhesiveDesign(GivenZones):
 
     @cached_property
     def _smooth(self) -> Any:
-        """Coefficients of M in R = M + poles, for the given load.
+        """Coefficients of M in R = M + poles (head of this module), for the given load.
         All zones get the same approach, since the integral of X R over each gap is 0.
         """
         modes, poles = self._zone_integrals
@@ -215,7 +216,9 @@ class AdhesiveDesign(GivenZones):
         return solution
 
     def _ratio(self, i: int, dl: Any, dr: Any) -> Any:
-        """The function R = M + sum_e q_e/(x - e) at points of interval i, in double precision."""
+        """The function R (head of this module) at points of interval i, in double precision.
+        It is the smooth part M plus the poles, sum_e q_e/(x - e).
+        """
         smooth = self._modes(self._product, i, dl, dr) @ self._smooth.astype(float)
         return smooth + self._product.poles(i, dl, dr) @ self._poles.astype(float)
 

@@ -392,8 +392,8 @@ class CohesiveDesign:
         out = strip.far(t)
         if close.any():
             at = t[close]
-            # The smooth factor h of 1/X on the strip, evaluated at points of the zone next to the
-            # strip.
+            # Near the strip, 1/X is a smooth factor h divided by a square root (X: see `_root`).
+            # Here h is evaluated at points of the zone next to the strip.
             factors = [np.abs(at - end) for end in self._ends if end not in strip.ends]
             h = np.sign(strip.h[0]) / np.sqrt(np.prod(factors, axis=0))
             difference = (1 - h[:, None] / strip.h) / (at[:, None] - strip.nodes)
