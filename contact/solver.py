@@ -222,7 +222,7 @@ def _solved(
 def _of_first_law(
     scene: Scene, tol: float, progress: Progress | None, near: Solution | None
 ) -> Solution | None:
-    """The solution of the scene under the law `Routes.first`, which is tried before its own law.
+    """The solution under the law `Routes.first`, which is tried before the scene's own law.
     It is None if there is no such law or no such solution.
 
     Pressures grow with the load. So the law `Routes.first` is not tried above the load of a contact

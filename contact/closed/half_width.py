@@ -96,7 +96,7 @@ def widest(problem: Problem) -> float:
 
 def _carried(problem: Problem, control: Control, a: Array) -> Array:
     """Load or approach, whichever is controlled, of one zone of each half width a.
-    It is -inf beyond its first maximum.
+    The value is -inf for half widths beyond its first maximum.
     """
     period, poles = problem.period, len(problem.kernel.poles)
     if period is not None and poles > 1:

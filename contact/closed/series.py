@@ -1,12 +1,13 @@
 """Odd Chebyshev series on one interval: coefficients, sums and integrals from samples.
 
-The right side G = sum g_k T_k(t), over odd k, gives the solution Phi = sqrt(1 - t^2) sum g_k
-U_{k-1}(t), bounded at both ends. Its integral is pi g_1/2 times the half length. Off the interval
-its Hilbert transform is sum g_k rho^k with rho = t - sgn(t) sqrt(t^2 - 1).
+Let t run from -1 to 1 on the interval. The right side G = sum g_k T_k(t), over odd k, gives the
+solution Phi = sqrt(1 - t^2) sum g_k U_{k-1}(t), bounded at both ends. The integral of Phi is
+pi g_1/2 times the half length. Outside the interval the Hilbert transform of Phi is sum g_k rho^k
+with rho = t - sgn(t) sqrt(t^2 - 1).
 
 With the polynomial q = sum g_k U_{k-1}, a longer interval raises Phi by q(1) / sqrt(1 - t^2) per
 unit of half length. So the integral grows with the half length at the rate pi q(1). A Newton step
-needs no more than these two sums over the samples.
+therefore needs only g_1 and q(1), two sums over the samples of G.
 """
 
 from functools import lru_cache

@@ -83,8 +83,9 @@ def _may_be_one_zone(scene: Scene, tips: list[float]) -> bool:
     """Whether the contact may be one zone symmetric about 0, for a profile with these tips.
     That is so for one tip at 0, or two at equal distances from 0.
 
-    About two tips it is one zone only if two zones have merged. The signs of pressure and gap tell
-    this if the load or the approach is given. A given width may also be that of two zones.
+    About two tips, the contact is one zone only if two zones have merged. If the load or the
+    approach is given, the signs of pressure and gap show whether they have. A given width may also
+    be that of two zones.
     """
     if tips == [0.0]:
         return True

@@ -3,7 +3,7 @@
 The stresses at a point are means of the pressure with kernels whose absolute values have integrals
 of at most 1. So an error of the pressure at equal normalised positions causes no larger error of
 the stresses. An error of a zone's end also shifts the pressure next to the end, which grows like
-the square root of the distance from it. This error of the stresses is largest close to the end.
+the square root of the distance from the end. The stresses close to the end change most.
 """
 
 from dataclasses import dataclass, replace

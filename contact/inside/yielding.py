@@ -342,7 +342,7 @@ class _Search:
 
 def _rate(one: Point, other: Point) -> float:
     """The slope of ln(largest stress) as a function of ln(load), between two contacts.
-    It is 0 if it is undefined.
+    The result is 0 if the slope is undefined.
     """
     if not (np.isfinite(one[1]) and np.isfinite(other[1])) or one[2].load == other[2].load:
         return 0.0

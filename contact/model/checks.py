@@ -181,7 +181,7 @@ def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
 def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> Array:
     """Return a read-only float copy of an array of finite real numbers.
 
-    There are at least `least` of them, with `ndim` axes (None: any number).
+    The array has at least `least` elements, and `ndim` axes (None: any number of axes).
     """
     shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(
         ndim, f"an array with {ndim} axes"

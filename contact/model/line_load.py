@@ -35,7 +35,7 @@ class LineLoadOptions:
     """Options for the smooth part of a kernel: Chebyshev series on panels, exact to round-off.
 
     nodes: terms of the Chebyshev series in a panel of r, and nodes of Gauss's rule in a panel of q.
-        They resolve a phase q r of half their number.
+        n nodes resolve a function whose phase q r changes by up to n / 2 in the panel.
     max_summed_phase: largest q r up to which panels of q are summed.
     """
 

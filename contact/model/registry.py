@@ -2,8 +2,9 @@
 
 `@register_profile("cosh")` makes a class known to scene files. Classes of other installed packages
 come through the entry-point groups `contact.profiles`, `contact.interactions`,
-`contact.substrates`, `contact.laws` and `contact.controls`. They are loaded at the first search for
-a name that is not built in, or when all names are listed; one that fails is skipped with a warning.
+`contact.substrates`, `contact.laws` and `contact.controls`. These classes are loaded at the first
+search for a name that is not built in, or when all names are listed. A class that fails to load is
+skipped with a warning.
 """
 
 import dataclasses
@@ -172,7 +173,7 @@ def register_profile(name: str) -> Callable[[C], C]:
     Parameters
     ----------
     name : str
-        What `contact.profile` and scene files call it; new.
+        The name for `contact.profile` and scene files; it must be new.
 
     Returns
     -------
@@ -208,7 +209,7 @@ def register_interaction(name: str) -> Callable[[C], C]:
     Parameters
     ----------
     name : str
-        What `contact.interaction` and scene files call it; new.
+        The name for `contact.interaction` and scene files; it must be new.
 
     Returns
     -------
@@ -241,7 +242,7 @@ def register_substrate(name: str) -> Callable[[C], C]:
     Parameters
     ----------
     name : str
-        What `contact.substrate` and scene files call it; new.
+        The name for `contact.substrate` and scene files; it must be new.
 
     Returns
     -------
@@ -277,7 +278,7 @@ def register_law(name: str) -> Callable[[C], C]:
     Parameters
     ----------
     name : str
-        What `contact.law` and scene files call it; new.
+        The name for `contact.law` and scene files; it must be new.
 
     Returns
     -------
@@ -313,7 +314,7 @@ def register_control(name: str) -> Callable[[C], C]:
     Parameters
     ----------
     name : str
-        What scene files call it; new.
+        The name for scene files; it must be new.
 
     Returns
     -------
@@ -369,7 +370,8 @@ def profile(name: str, **params: Any) -> Any:
     Raises
     ------
     SceneError
-        If the name or a parameter is not known, missing or wrong; the nearest name is told.
+        If the name is unknown, or a parameter is unknown, missing or wrong. The message names the
+        nearest known name.
 
     Examples
     --------
@@ -397,7 +399,8 @@ def interaction(name: str, **params: Any) -> Any:
     Raises
     ------
     SceneError
-        If the name or a parameter is not known, missing or wrong; the nearest name is told.
+        If the name is unknown, or a parameter is unknown, missing or wrong. The message names the
+        nearest known name.
 
     Examples
     --------
@@ -425,7 +428,8 @@ def substrate(name: str, **params: Any) -> Any:
     Raises
     ------
     SceneError
-        If the name or a parameter is not known, missing or wrong; the nearest name is told.
+        If the name is unknown, or a parameter is unknown, missing or wrong. The message names the
+        nearest known name.
 
     Examples
     --------
@@ -453,7 +457,8 @@ def law(name: str, **params: Any) -> Any:
     Raises
     ------
     SceneError
-        If the name or a parameter is not known, missing or wrong; the nearest name is told.
+        If the name is unknown, or a parameter is unknown, missing or wrong. The message names the
+        nearest known name.
 
     Examples
     --------
@@ -470,7 +475,7 @@ def profiles() -> dict[str, Any]:
     Returns
     -------
     dict
-        In alphabetical order; those of installed packages among them.
+        In alphabetical order, including the classes of installed packages.
 
     Examples
     --------
@@ -487,7 +492,7 @@ def interactions() -> dict[str, Any]:
     Returns
     -------
     dict
-        In alphabetical order; those of installed packages among them.
+        In alphabetical order, including the classes of installed packages.
 
     Examples
     --------
@@ -504,7 +509,7 @@ def substrates() -> dict[str, Any]:
     Returns
     -------
     dict
-        In alphabetical order; those of installed packages among them.
+        In alphabetical order, including the classes of installed packages.
 
     Examples
     --------
@@ -521,7 +526,7 @@ def laws() -> dict[str, Any]:
     Returns
     -------
     dict
-        In alphabetical order; those of installed packages among them.
+        In alphabetical order, including the classes of installed packages.
 
     Examples
     --------
@@ -538,7 +543,7 @@ def controls() -> dict[str, Any]:
     Returns
     -------
     dict
-        In alphabetical order; those of installed packages among them.
+        In alphabetical order, including the classes of installed packages.
 
     Examples
     --------

@@ -3,8 +3,8 @@
 The profile is drawn where the approach puts it, touching the deformed surface along the zones.
 Heights count from the undeformed surface if the displacement is known absolutely. The body is
 above, with its asperities pointing down. The counter-face is below, flat or with heights of its
-own, and carries the displacement of both. If there are many zones, or very narrow ones, a second
-column shows both panels near the largest pressure.
+own, and is drawn with the displacement of both bodies. If there are many zones, or very narrow
+ones, a second column shows both panels near the largest pressure.
 
 In a notebook a solution shows as a table of its numbers, with its figure if matplotlib is
 installed.
@@ -190,8 +190,8 @@ def draw_pressure(axes: Any, solution: Solution, column: Stretch, name: str = "p
     zones, along = zones_within(solution, column.lo, column.hi), column.along(x)
     pressure, top = solution.pressure(x), max(top_pressure(solution), 0.0)
     # At the end of an adhesive zone the tension may be infinite or much larger than the peak
-    # pressure. It is drawn at most as far below zero as the peak pressure is above zero. Where the
-    # peak is small, as before pull-off, the median pressure on the zones takes its place.
+    # pressure. The tension is drawn at most as far below zero as the peak pressure is above zero.
+    # If the peak is small, as before pull-off, the median of |pressure| replaces the peak here.
     lowest = float(np.min(pressure, initial=0.0))
     touching = np.abs(pressure[on_zones(x, zones)])
     depth = max(top, float(np.median(touching))) if touching.size else np.inf

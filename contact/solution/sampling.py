@@ -1,8 +1,8 @@
 """Positions at which the fields of a solution are sampled for figures and files.
 
-They are evenly spaced over the scene, with Chebyshev points on each zone in addition. At a distance
-d from an end the pressure is proportional to sqrt(d) and the gap to d^(3/2). Both are smooth
-functions of the angle of the Chebyshev points.
+The positions are evenly spaced over the shown interval; Chebyshev points on each zone are added. At
+a distance d from an end the pressure is proportional to sqrt(d) and the gap to d^(3/2). Both are
+smooth functions of the angle of the Chebyshev points.
 """
 
 from dataclasses import dataclass

@@ -190,8 +190,8 @@ class Solution(sie.Kept):
     def load(self) -> float:
         """Load [N/m], per period if the scene is periodic.
 
-        It is exact if it was given. Otherwise its error is at most 3 error p times the width in
-        contact.
+        A given load is exact. Otherwise the error of the load is at most 3 error p times the width
+        in contact.
         """
         return self.fields.load
 
@@ -446,7 +446,8 @@ class Solution(sie.Kept):
     def overlap(self, x: ArrayLike) -> Array:
         """Depth [m] by which the body has yielded at x [m], any shape; 0 where it has not yielded.
 
-        It is approach - profile - displacement, by which elastic surfaces would overlap.
+        It is approach - profile - elastic displacement: surfaces that stay elastic would overlap by
+        this depth.
         """
         return self.fields.overlap(real("x", x))
 

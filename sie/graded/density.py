@@ -38,7 +38,7 @@ from sie.jumps.right_side import ForcingJumps
 class GradedDensity(DensityBase):
     """The density phi on zones beside narrow gaps, each zone with a graded coordinate s.
 
-    It has the members of `Density`. `solve_zones` makes it.
+    This class has the members of `Density`. The function `solve_zones` creates its objects.
 
     Attributes
     ----------

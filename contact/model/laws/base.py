@@ -1,7 +1,7 @@
 """`Law`, the base of the laws of the interface, and the three objects that the package asks it for.
 
 A law declares the edge intensity K: the pressure is p ~ K / sqrt(d) at the distance d from the end
-of a zone. It answers one question each for the certificate, the search and the solver:
+of a zone. A law also answers one question each for the certificate, the search and the solver:
 
     pressure_range   bounds of the pressure in a zone: which signs the certificate checks
     equilibria       one contact for a load, or several, and the law whose contact starts a branch

@@ -128,8 +128,8 @@ def declared_jumps(
 
     The slope is read at `distance` and at half of it on both sides of each kink, and the jump is
     extrapolated to the kink. A declared jump is false if its entry of the second array is positive.
-    powers: the algebraic points of the profile. rounding: round-off of `slope`, beyond that of its
-    values.
+    powers: the algebraic points of the profile. rounding: additional round-off of `slope`, as that
+    of a difference quotient.
     """
     at, declared = kinks.T
     seen, size = [], np.abs(declared)
@@ -265,8 +265,8 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
     """Relative deviation of the function's differences from those of the declared powers.
 
-    Steps are halved again and again, and the smallest deviation is returned. It is 0 if round-off
-    hides the powers at all steps, or at all steps for which the smooth part is negligible.
+    Steps are halved again and again, and the smallest deviation is returned. The result is 0 if
+    round-off hides the powers at all steps for which the smooth part is negligible.
     """
     derived = profile.slope_is_derived
     function = profile.height if derived else profile.slope

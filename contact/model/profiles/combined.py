@@ -28,8 +28,9 @@ STANDS = ("shift", "mirrored")
 
 @dataclass(frozen=True)
 class Combined(Profile):
-    """Two bodies that face each other, as one profile. It is f(x) = profile.f(x) + counter.f(x -
-    shift).
+    """Two bodies that face each other, as one profile.
+
+    The gap at zero load is f(x) = profile.f(x) + counter.f(x - shift).
 
     The period is the shortest one after which both bodies repeat. If one body has no period, the
     pair has none.

@@ -35,14 +35,14 @@ Function = Callable[[Any], Any]
 class VerdictOptions:
     """Options for comparing differences of heights with integrals of the slope.
 
-    nodes: number of Chebyshev points of an interval. 7 to 13 decide the same.
+    nodes: number of Chebyshev points of an interval. 7 to 13 nodes give the same verdicts.
     ratio: length of an interval, relative to the next smaller one. A check of an interval also
         holds for places on a part of it that is shorter by no more than this factor.
     differs: smallest discrepancy that is a contradiction, relative to the truncation and round-off
         of heights and slopes.
     counts: smallest discrepancy that is a contradiction, relative to the rise of the height.
         Heights are used if their truncation and round-off, relative to their rise, are below the
-        square root of this.
+        square root of `counts`.
     """
 
     nodes: int = 9
@@ -159,8 +159,8 @@ def scale_of(
     """For each place, a typical length over which the shape varies there.
     The steps of the differences that are tried lie around this length.
 
-    It is the known length, else the distance of the place from 0 or from the next place. With ends,
-    no interval of `verdicts` reaches outside them.
+    It is the known length, else the distance of the place from 0 or from the next place, whichever
+    is larger. If `ends` are given, no interval of `verdicts` reaches outside the ends.
     """
     if length is None:
         places, which = np.unique(x, return_inverse=True)
@@ -381,7 +381,7 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
 def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
     """Round-off of heights in each block of places, found from differences; 0 if not found.
 
-    It may exceed `rounding`: near x = 0, the round-off of cosh(x) - 1 is that of cosh(x).
+    The result may exceed `rounding`: near x = 0, the round-off of cosh(x) - 1 is that of cosh(x).
 
     evens: second differences, one row for each step, with growing steps. rounding: the round-off
     that follows from the size of the heights. A combination of sixth order of these differences
@@ -446,7 +446,8 @@ def detail_of(
 ) -> float:
     """Smallest length over which the height varies between the places lo and hi.
 
-    It is that of the last term of the slope's Chebyshev series that is not neglected.
+    The slope is a Chebyshev series: the result is the length over which its last term that is not
+    neglected varies.
     """
     length, n, counts = hi - lo, options.min_samples, options.counts
     while True:

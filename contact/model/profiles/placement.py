@@ -149,8 +149,9 @@ class Overlap:
 def _cells_under_lone_body(placed: Sequence[PlacedBody]) -> Window | None:
     """Interval in which corners of a periodic body are listed if the other body has no period.
 
-    It contains `repeats` cells on each side of the other body's tip. It is None if not exactly one
-    body has a period, if the other body ends at corners, or if there are no corners to list.
+    The interval contains `repeats` cells on each side of the other body's tip. The result is None
+    unless exactly one body has a period; also if the other body ends at corners, or if there are no
+    corners to list.
     """
     lone, row = sorted(placed, key=lambda one: one.body.period is not None)
     body, period = row.body, row.body.period

@@ -78,9 +78,10 @@ def read_trace(
 ) -> Sampled:
     """Read a measured trace from a file or from arrays, and prepare it as the arguments say.
 
-    The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read,
-    sort, invert, fill, regrid, lambda_s, detrend, lambda_c, taper, period; the profile's `history`
-    says what was done. A file that can be read in two ways is refused, with both.
+    The table [profile] of a scene file with a `file` has keys of the same names. The steps are, in
+    this order: read, sort, invert, fill, regrid, lambda_s, detrend, lambda_c, taper, period; the
+    profile's `history` says what was done. A file that can be read in two ways is refused; the
+    message shows both.
 
     Parameters
     ----------
@@ -93,15 +94,16 @@ def read_trace(
         columns, or the rows x, y, z of a map.
     columns : sequence of int or str
         Columns of positions and heights (of a map: x, y and z), from 0 or by name; may be left out
-        where no others hold numbers.
+        if no other columns hold numbers.
     units : str or two of them, or None
-        m, cm, mm, um, nm, A, pm, in, mil and others, of both or of positions and heights; None: the
-        header's, else m (arrays: m).
+        m, cm, mm, um, nm, A, pm, in, mil and others: one unit for positions and heights, or one for
+        each. None: the units of the header, else m (arrays: m).
     detrend : str or int
         "none", "line", "quadratic", or the degree of the least-squares polynomial that is
         subtracted (the form).
     regrid : bool, int or None
-        Number of even positions; True: as many as there are points.
+        Number of evenly spaced positions to which heights are interpolated; True: as many as there
+        are points.
     taper : float or None
         Part of the length, at each end, over which heights are brought to one height.
     period : bool, float or None
@@ -109,7 +111,7 @@ def read_trace(
     pitch : float or None
         Distance of the points [m], of heights alone.
     decimal, delimiter : str or None
-        "." or ","; ";", ",", "tab" or "blank". None: found.
+        Decimal mark "." or ","; delimiter ";", ",", "tab" or "blank". None: recognized.
     fill : str or None
         What is done where a height is missing: "linear", straight lines; "drop", the points are
         left out; None: it is refused.
@@ -141,7 +143,7 @@ def read_trace(
     Raises
     ------
     SceneError
-        If the file cannot be read, in one way only, or an argument is wrong.
+        If the file cannot be read, if it can be read in two ways, or if an argument is wrong.
     MissingExtra
         If an instrument's own format needs the extra `instruments`.
 

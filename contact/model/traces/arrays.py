@@ -1,6 +1,6 @@
 """Traces that are given as arrays, quantities with units, line scans or file objects.
 
-Heights that are NaN or masked count as missing, like those of a file.
+Heights that are NaN or masked count as missing, like missing heights in a file.
 """
 
 from os import PathLike

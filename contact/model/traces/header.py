@@ -139,7 +139,7 @@ def unit_of(field: str, short: bool = False) -> Unit | None:
 
     A unit stands in brackets or after a slash, a comma, a colon or "in": "x [um]", "Weg/mm", "X,
     мм". In other fields the last word may be a unit: "Lateral um", "height_nm", "Zmm". short:
-    whether a single letter may also be a unit. It is mostly part of the name, as in "Height A".
+    whether this word may be a single letter. Such a letter is mostly part of the name: "Height A".
     """
     field = field.translate(_WIDE)
     for found in _BRACKETS.finditer(field):

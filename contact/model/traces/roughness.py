@@ -6,7 +6,7 @@ With the heights z above their mean, and <.> the mean over the length of the tra
     Rdq = <z'^2>^(1/2), the rms slope.
 
 All are integrals over the spline of the trace, by a Gauss rule on each piece: exact to round-off,
-except for Ra, whose integrand has kinks. It depends on the filters of the trace whether they are
+except for Ra, whose integrand has kinks. The filters of the trace decide whether the parameters are
 P-, W- or R-parameters.
 Unlike in the standard, the trace is not divided into sections, and Rdq uses the slope of the spline
 instead of a seven-point formula.
