@@ -4,9 +4,9 @@
 
 (Goryacheva & Tsukanov 2020, (16) with P_s = P0). P0(W) is the load of the isolated contact of the
 width W, and L the period. For a given W, the contacts of the strip and of the isolated profile are
-ordinary problems, so the controlled quantity is a function of W. The W at which it has its given
-value is found by Newton's method in a bracket, on the branch that starts at zero load and ends at
-the first maximum.
+ordinary problems, so the controlled quantity is a function of W. Newton's method in a bracket finds
+the W for the given value of the controlled quantity, on the branch that starts at zero load and
+ends at the first maximum.
 """
 
 from __future__ import annotations

@@ -41,8 +41,8 @@ def finite(field: str, value: Any, allowed: str = "a finite real number") -> flo
 
 
 def as_array(value: Any) -> NDArray[Any]:
-    """Return the value as an array; for a ragged list, or a quantity whose unit numpy would lose,
-    return `np.asarray(None)`.
+    """Return the value as an array, or `np.asarray(None)` if it is no plain array.
+    This is so for a ragged list, and for a quantity whose unit numpy would lose.
     """
     if hasattr(value, "magnitude"):
         return np.asarray(None)

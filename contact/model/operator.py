@@ -372,8 +372,8 @@ def _cells(
     lag: Array,
     width: float,
 ) -> Array:
-    """Mean of a potential over a cell around the distance `lag` [m], from the potential's
-    primitive, summed over all images.
+    """Mean of a potential over a cell around the distance `lag` [m], summed over all images.
+    It is computed from the primitive of the potential.
 
     Cells may be wider than the length over which the potential varies.
     """

@@ -260,11 +260,10 @@ def _record_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
 def _checked(
     tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0, cause: str = ""
 ) -> Solution:
-    """Return the solution; raise NotConverged if its error is too large, or if it violates a
-    condition of the scene's law of the interface.
+    """Return the solution; raise NotConverged if its error is too large or it violates the law.
 
-    The error of the solution has to be at most the tolerance. cause: main cause of the error, in
-    words, if the law or the profile adds most of it.
+    The error of the solution has to be at most the tolerance `tol`. cause: main cause of the error,
+    in words, if the law or the profile adds most of the error.
     """
     if solution.error > tol:
         fields = solution.fields

@@ -123,8 +123,8 @@ def surfaces(solution: Solution, x: Array) -> tuple[Array, Array]:
 def _parts_between_kinks(solution: Solution, zones: Array) -> Array:
     """The zones, cut into parts (m, 2) at kinks of the profile and at the ends of plateaus.
 
-    Next to a kink the pressure is logarithmic, and next to a plateau it changes as the root of the
-    distance, so that each part has close positions at its ends.
+    Next to a kink the pressure is logarithmic, and next to a plateau it changes as the square root
+    of the distance. So positions must be close together at the ends of each part.
     """
     profile, period = solution.scene.profile, solution.scene.period
     kinks = profile.kinks[:, 0]

@@ -291,9 +291,9 @@ class GradedDensity(DensityBase):
     def edge_slopes(self) -> tuple[Array, Array]:
         """Edge slopes A at both ends of each zone; A is the coefficient of sqrt(distance).
 
-        Let psi be q (k / sqrt(e) + a sqrt(e)) at the distance e from an end in s, with the scale q
-        of `Grading.scale` that varies, and m = dx/ds. With the derivatives m' and q' towards the
-        zone's outside, A = q (a - k q'/q + 3/4 k m'/m) / m^(3/2).
+        Let e be the distance from an end in s, q the factor `Grading.scale`, which depends on s,
+        and m = dx/ds. Next to the end, psi is q (k / sqrt(e) + a sqrt(e)). With the derivatives m'
+        and q' towards the outside of the zone, A = q (a - k q'/q + 3/4 k m'/m) / m^(3/2).
         """
         alpha, beta, _ = self._series
         at_ends = chebyshev.slopes_at_ends(self.divided)

@@ -337,8 +337,8 @@ def _quotients(
 
 
 def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple[Array, Array]:
-    """For each place (column), the best value in a run of successive steps (rows) whose values
-    agree to within noise; and the noise of this best value.
+    """For each place (column), the best value of a run of steps, and the noise of this value.
+    A run is a sequence of successive steps (rows) whose values agree to within noise.
 
     The run is the first one that is long enough, else the longest one: if values agree only for
     wide steps, they may be wrong (aliasing). The best value is the last but one before noise grows
