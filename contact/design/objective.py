@@ -112,7 +112,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class StressObjective:
-    """An objective of the stresses in body 1: their largest, or the load of first yield.
+    """An objective of the stresses in body 1: the largest stress, or the load of first yield.
 
     Parameters
     ----------

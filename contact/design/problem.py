@@ -28,7 +28,7 @@ class Contacts(NamedTuple):
     solutions: tuple[Solution, ...]
     by: tuple[Sensitivity, ...]
     tops: tuple[Places, ...]  # local maxima of the pressure, if they are needed
-    stresses: tuple[Places, ...]  # those of the stress, if they are needed
+    stresses: tuple[Places, ...]  # local maxima of the equivalent stress, if they are needed
 
     @property
     def yields(self) -> bool:

@@ -1,6 +1,7 @@
 """Scaled controls: a given quantity becomes a side condition of the integral equation.
 
-The condition depends on the unknown, the pressure (left) or the slope of the gap (right):
+The condition depends on the unknown, the pressure (left) or the slope of the gap (right). The level
+of a zone is minus its approach:
 
     load        int p = P, equal levels of all zones     mean pressure P / period
     approach    level -approach of every zone            mean gap = mean f - approach + mean u

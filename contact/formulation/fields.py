@@ -188,8 +188,8 @@ class ZoneFields(NoPlateaus, sie.Kept):
 
         The ends are kept fixed where their motion does not change the density at first order. In
         the first-order localized model the nominal pressure changes with the load at the rate
-        `amplitude_rate`. A strip whose centre moves with the load approaches by `centring` more per
-        unit of load.
+        `amplitude_rate`. If the centre of the strip moves with the load, each unit of load adds
+        `centring` to the approach.
         """
         if self.approach is None:
             return None

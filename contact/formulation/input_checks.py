@@ -76,10 +76,10 @@ def height_rounding(problem: Problem, table: Array) -> str:
 
 
 def _differences(problem: Problem, middle: float, half: float) -> tuple[float, float, float]:
-    """Median of |rise of the height - integral of the slope| over the parts of an interval.
+    """Differences of the height's rise and the slope's integral on the parts of an interval.
 
-    Returns the median of the absolute differences, then the range of the cumulated integrals and
-    the range of the cumulated differences. All are 0 if a value is not finite.
+    Returns the median of the absolute differences, the range of the cumulated integrals, and the
+    range of the cumulated differences. All three numbers are 0 if a value is not finite.
     """
     nodes, weights = np.polynomial.legendre.leggauss(_PARTS)
     at = middle + half * np.linspace(-1, 1, _PARTS + 1)

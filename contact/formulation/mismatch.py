@@ -51,7 +51,8 @@ def shift(kappa: float, period: float | None, total: float, moment: float) -> fl
 class MeanLevel(sie.Condition):
     """The condition that the level of every zone is `value`, which is minus the approach.
 
-    The level is that of `sie.Level`, V - F - lambda x + kappa Q, minus the constant c.
+    The level is V - F - lambda x + kappa Q (as in `sie.Level`) minus the constant c. The head of
+    this module has the symbols; F is the scaled profile.
     """
 
     value: float

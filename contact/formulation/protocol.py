@@ -83,7 +83,7 @@ class Fields(Protocol):
     def end_remainders(self, table: Array, order: Index) -> Array | None:
         """Exact ends of zones minus the ends in `table`, which are rounded [m]; None if unknown.
 
-        The rows are those of `zone_table` in this order, moved by whole periods.
+        Row k of `table` is row order[k] of `zone_table`, moved by whole periods.
         """
 
     @property

@@ -80,8 +80,8 @@ def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
 def over_period(profile: Profile, least: int = 8) -> tuple[Array, Array, Array]:
     """Gauss rule over a period: places [m], places as fractions of the period, and weights.
 
-    The weights have the sum 1. There are at least `least` panels, split at breakpoints and as short
-    as the profile's resolution.
+    The weights have the sum 1. There are at least `least` panels, split at breakpoints. They are no
+    longer than half the profile's resolution, unless more than 2^16 panels would be needed.
     """
     length = profile.period
     assert length is not None

@@ -89,8 +89,8 @@ class Family:
 
     def recurrence(self, count: int) -> tuple[Array, Array]:
         """Coefficients (a_n, b_n), n < `count`, of the three-term recurrence of the polynomials.
-        It is t p_n = b_(n+1) p_(n+1) + a_n p_n + b_n p_(n-1). b_0 is zero. The head of this file
-        has the exception for n = 0.
+        The recurrence is t p_n = b_(n+1) p_(n+1) + a_n p_n + b_n p_(n-1). b_0 is zero. The head of
+        this file has the exception for n = 0.
         """
         return _recurrence(self, count, self.is_complex)
 

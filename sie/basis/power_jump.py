@@ -163,7 +163,7 @@ class PowerJump(Kept):
     def by_parts(self, order: int = 0) -> Array:
         """Coefficients of (total / pi) (t - s)^order w in the densities w p_n, in a new first axis.
         w is the weight, p_n are Jacobi polynomials, and `total` is the integral of the density of a
-        jump at s. Integration by parts of this density leads to the product.
+        jump at s. The product arises if fields of the jump's density are integrated by parts.
         """
         out: Array = np.asarray(0.0)
         for c, factor in zip(

@@ -439,7 +439,7 @@ class JacobiFunctions(Kept):
 
     # The methods below give matrices that convert coefficients from one basis to another.
     def from_u(self, count: int) -> Array:
-        """Matrix C that converts the right side's Chebyshev coefficients to Jacobi ones.
+        """Matrix C from coefficients of the right side in U_j to its coefficients in D_i.
         U_j = sum_i C[i, j] D_i, with Chebyshev polynomials U_j of the second kind and the
         polynomials D_i of `images`. C is upper triangular, of the shape (count, count).
         """

@@ -79,8 +79,8 @@ def most(kernel: Kernel) -> int:
 def enough(kernel: Kernel, tolerance: float) -> float:
     """Relative size to which the Chebyshev coefficients of the kernel's regular part must decay.
 
-    If `kernel.length` is declared, the coefficients decay exponentially, so that a lower level
-    costs little. The lower level is needed if the regular part nearly cancels the poles, since the
+    If `kernel.length` is declared, the coefficients decay exponentially, so that a smaller size
+    costs little. The smaller size is needed if the regular part nearly cancels the poles, since the
     truncation error is then relatively large.
     """
     return max(10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance, SUM_ROUNDING)

@@ -225,7 +225,7 @@ def _panel_moments(
     The shape is (moments, coefficients). Panels are equal parts of the line, a skeleton is a set of
     source points; both are for fast sums of a smooth kernel.
 
-    over_width: whether they are divided by the half width of the zone.
+    over_width: whether the moments are divided by the half width of the zone.
     """
     out = np.zeros((panels.size, layout.coefficients))
     modes = panels.modes(zones.half)

@@ -13,11 +13,11 @@ class TwoLevelPreconditioner:
     It neglects how the field of one zone varies over another zone.
 
     The coefficients c_k with k > 0 follow from the rows of the equation. The coefficients c_0 and
-    the amplitudes of the columns follow from the side conditions. On every zone the level is
-    G c_0 minus the means of the columns, with G = C + constant and C the coarse operator. So c_0 is
-    C^-1 (level + unknown constant + ...). The few remaining unknowns follow from the conditions
-    that do not belong to single zones. If every zone has a fixed end with a prescribed intensity K,
-    c_0 follows from K.
+    the amplitudes of the columns follow from the side conditions. On every zone the level (the
+    constant part of the potential) is G c_0 minus the means of the columns' primitives, with G = C
+    + constant and C the coarse operator. So c_0 is C^-1 (level + unknown constant + ...). The few
+    remaining unknowns follow from the conditions that do not belong to single zones. If every zone
+    has a fixed end with a prescribed intensity K, c_0 follows from K.
     """
 
     def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None) -> None:

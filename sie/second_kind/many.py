@@ -446,8 +446,8 @@ class ManySolver:
     def row_errors(self, y: Array, residuals: Array, missing: Array) -> Array:
         """Error of each equation: round-off, truncated coefficients, residual between the nodes.
 
-        Rows of the equation count as values at the nodes times sin(theta). missing: estimated sum
-        of the truncated coefficients of each zone (Z,).
+        The errors of the equation's rows are errors of values at the nodes times sin(theta).
+        missing: estimated sum of the truncated coefficients of each zone (Z,).
         """
         rows, zones, layout = self.rows, self.rows.zones, self.rows.dense.layout
         table = layout.padded(y)

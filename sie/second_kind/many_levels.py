@@ -1,10 +1,11 @@
 """Equations with kappa on many zones under conditions on levels, by fast sums and GMRES.
 
-The unknowns are the coefficients c_k, k > 0, of all zones, then c_0 of all zones and the amplitudes
-of the columns. The rows of the equation are those of `many`. For the rows of the conditions, the
-tree gives the potential of the unknowns' density in the middle of each zone. These rows are
-multiplied by the inverse of a small matrix: the matrix of the conditions for densities c_0 / sqrt(1
-- t^2) alone. So all rows are close to the identity, and GMRES needs few steps.
+A level is the constant part of the potential on a zone (`SecondKindRows.levels`). The unknowns are
+the coefficients c_k, k > 0, of all zones, then c_0 of all zones and the amplitudes of the columns.
+The rows of the equation are those of `many`. For the rows of the conditions, the tree gives the
+potential of the unknowns' density in the middle of each zone. These rows are multiplied by the
+inverse of a small matrix: the matrix of the conditions for densities c_0 / sqrt(1 - t^2) alone. So
+all rows are close to the identity, and GMRES needs few steps.
 
 The tree also sums the fields of the densities that jumps of the right side cause.
 """
@@ -195,7 +196,7 @@ class LevelRows(ManyRows):
         return out
 
     def applied(self, y: Array, rough: bool = False) -> tuple[Array, "AppliedRows"]:
-        """(coefficients of other zones' field less column terms, `AppliedRows`), for unknowns y."""
+        """(coefficients of other zones' field minus columns, `AppliedRows`), for the unknowns y."""
         field, middle = self.sums.fields_and_middles(y, rough)
         zones, layout = self.zones, self.sums.layout
         level = middle + self.near_middles @ y

@@ -28,8 +28,9 @@ def solve_second_kind(
 ) -> SecondKindState:
     """Solve an equation with kappa on given zones, with as many modes as it needs.
 
-    tolerance: of the last coefficients, relative to the largest; sizes: numbers of modes to start
-    from. Raises ValueError for what is not known with kappa, and SingularSystem.
+    tolerance: size that the last coefficients may have, relative to the largest coefficient; sizes:
+    numbers of modes to start from. Raises ValueError for equations that cannot be solved with
+    kappa, and SingularSystem.
     """
     if zones.symmetric:
         raise ValueError("an equation with kappa has no mirror symmetry: leave out symmetric=True")
