@@ -91,8 +91,10 @@ def _tried(curve: Curve, place: CurvePoint, length: float, tight: bool) -> Step 
 
 
 def _next_length(step: Step, length: float) -> float:
-    """Length of the step that follows `step`; length: that with which `step` was tried.
-    In the next step, the tangent of the curve is expected to turn by half of the largest angle.
+    """Length of the step that follows `step`.
+
+    In this new step, the tangent of the curve is expected to turn by half of the largest allowed
+    angle. length: the length with which `step` was tried.
     """
     aimed = 0.5 * ARC_OPTIONS.longest_step
     growth = aimed / max(step.turned, aimed * MOVES.least_part)

@@ -53,7 +53,7 @@ def certified_everywhere(
 ) -> Certificate:
     """The certificate of a contact whose tension acts on the whole period.
 
-    plain: certificate of the frictionless contact without the tension.
+    plain: certificate of the frictionless contact, whose pressure is q = pressure + tension.
     """
     inside = bool(np.all(sampled_gap(fields)[1] < curve.reach * (1 + TOLERANCES.edge_condition)))
     note = (
@@ -71,7 +71,7 @@ def certified_everywhere(
 def certified(plain: Certificate, curve: CohesiveCurve, here: CohesiveState) -> Certificate:
     """The certificate `plain`, with checks of the gap at the tension's ends and of stability.
 
-    plain: certificate of the frictionless contact without the tension.
+    plain: certificate of the frictionless contact, whose pressure is q = pressure + tension.
     """
     assert here.q is not None
     rounding, name = here.q.gap_rounding, curve.control.name

@@ -180,7 +180,7 @@ def scaled_second_variation(here: CohesiveState) -> Array:
 class CohesiveGapFields(GapFields):
     """Fields of nearly full contact under tension everywhere, with the gaps as unknowns.
 
-    It is the frictionless contact with the uniform tension `stress` (scaled) subtracted.
+    The pressure is that of a frictionless contact, minus the uniform tension `stress` (scaled).
     """
 
     stress: float = 0.0

@@ -216,7 +216,7 @@ def _is_near_rest(curve: CohesiveCurve, here: CohesiveState) -> bool:
 def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | None:
     """The equilibrium near a state whose ends are almost at rest, to full accuracy.
 
-    If the intervals change there, the flow goes on from the changed ones.
+    If intervals begin, merge or are cut at this equilibrium, the flow goes on from the new ones.
     """
     for _ in range(LIMITS.patience):
         try:

@@ -70,7 +70,7 @@ class NoState(Exception):
 class Corners:
     """Residuals of all ends on a profile with sharp corners, as if no end were pinned.
 
-    pinned: which ends rest at a corner (2n,). residual, rates, by_value: as in `State`.
+    pinned: mask (2n,) of the ends pinned at a corner. residual, rates, by_value: as in `State`.
     """
 
     pinned: Mask

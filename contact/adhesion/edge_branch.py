@@ -187,8 +187,8 @@ def start_contact(context: SolveContext, load: float | None = None) -> Solution:
 def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: float) -> State:
     """The equilibrium reached as zones grow from first touch, or from zones without adhesion.
 
-    It has the smallest zones of all equilibria that contain the start. `value`: of the control; the
-    start is first touch at 0, and the zones without adhesion above 0.
+    Of all equilibria whose zones contain the start, it has the smallest zones. `value`: of the
+    control; the start is first touch if `value` is 0, and the zones without adhesion above 0.
     """
     with closing_foreseen(context, curve, value):
         table = touched(curve, scaled.cell) if value == 0.0 else _pressed(context, scaled)

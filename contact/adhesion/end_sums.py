@@ -116,7 +116,7 @@ class EndSum:
         """The sum over all ends at each of the points x, which lie in cells.
         Near ends are added directly, far ends by the Chebyshev series of the cell.
 
-        given: the same points before a shift by periods, whose result x is rounded.
+        given: the same points before they were shifted by periods. The shift has rounded x.
         """
         edges, (near, count) = self._cells.edges, self._cells.near
         cell = np.searchsorted(edges, x, side="right") - 1

@@ -243,7 +243,7 @@ def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:
 def inward_and_outward(curve: Curve, here: State, detailed: bool = True) -> tuple[Array, Array]:
     """(longest allowed inward steps of the ends, outward ones), regardless of sharp corners.
 
-    detailed: whether they are also limited to the smallest feature of the profile.
+    detailed: whether the steps are also limited to the smallest feature of the profile.
     """
     known = curve.problem.detail if detailed else np.inf
     gaps = curve.gaps(here.table)

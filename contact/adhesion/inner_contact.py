@@ -45,9 +45,9 @@ class EndsCovered(NoState):
 class InnerTolerances:
     """Tolerances for the solution of a contact under tension.
 
-    density: of the density. ends: of the last Newton step, relative to the strips of tension next
-    to the ends. last: after a Newton step below this limit, one more step is taken without a check,
-    since Newton's method squares the error.
+    density: tolerance of the density. ends: largest last Newton step of the ends, relative to the
+    strips of tension next to them. last: after a Newton step below this limit, one more step is
+    taken without a check, since Newton's method squares the error.
     """
 
     density: float = ACCURACY.density

@@ -65,8 +65,8 @@ def touched(curve: Curve, cell: tuple[float, float], value: float = 0.0) -> Arra
     """Narrow intervals around the lowest points of the profile, where surfaces first touch.
     `cell` is the part of the profile, in metres, that is searched.
 
-    Their ends are all driven outward under a value of the control, or pinned at sharp corners. On a
-    level stretch of the profile the interval is as wide as this stretch.
+    The ends of the intervals are all driven outward at the control value `value`, or pinned at
+    sharp corners. On a level stretch of the profile the interval is as wide as this stretch.
     """
     problem, (lo, hi) = (
         curve.problem,

@@ -172,7 +172,7 @@ class Predictor(Kept):
 
 
 def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:
-    """Edge intensity -K (2n, points) that each end would have at each point of its path.
+    """Minus the edge intensity K (2n, points) that each end would have at points of its path.
 
     The path leads outward for `sign` > 0, else inward.
     """
@@ -205,7 +205,7 @@ def _abel() -> tuple[Array, Array]:
     at = part[1:, None] * np.sin(0.25 * np.pi * (1 + node))
     unit = CubicSpline(part, np.eye(len(part)))
     # The slope of the gap is written h/sqrt(y), with the distance y from the end. So h is half of
-    # the gap's derivative by sqrt(y).
+    # d gap / d sqrt(y).
     mean = [
         np.einsum("jmk,m->jk", values, 0.5 * weight) for values in (0.5 * unit(at, 1), unit(at))
     ]

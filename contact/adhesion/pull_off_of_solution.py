@@ -60,9 +60,10 @@ def _on_its_zones(curve: Curve, last: State) -> State:
     """The equilibrium `last` at pull-off, with the control value recomputed from its zones.
 
     The curve may begin at control values 1e10 times as large, and the value at pull-off contains
-    the round-off of these values. At a turning point, the matrix of the rates of the residuals r by
-    the ends has a left null vector y. So y r does not depend on the ends to first order. The
-    equation y r = 0 then gives the control value up to the square of the error of the zones.
+    the round-off of these values. At a turning point, the matrix dr/ds of the residuals r, with the
+    displacements s of the ends, has a left null vector y. So y r does not depend on the ends to
+    first order. The equation y r = 0 then gives the control value up to the square of the error of
+    the zones.
     """
     here = curve.at(last.table, last.value)
     y = np.linalg.svd(here.rates)[0][:, -1]

@@ -122,9 +122,9 @@ class SpreadEnd:
     def periodic_primitive(
         self, x: Array, period: float, primitive: Callable[[Array], Array]
     ) -> Array:
-        """Antiderivative of `periodic_log` by x.
+        """Antiderivative of `periodic_log` with respect to x.
 
-        primitive: an antiderivative of ln|2 sin(pi y/L)| by y, with L = `period`.
+        primitive: an antiderivative of ln|2 sin(pi y/L)| as a function of y, with L = `period`.
         """
         # The mean of ln|2 sin(pi y/L)| over a period is zero, so its antiderivative is periodic.
         x = nearest_image(x, self.middle, period)

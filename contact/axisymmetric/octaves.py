@@ -144,7 +144,8 @@ class PowerFit:
         """The power law that has an octave's value and slope at the octave's lower end.
         It is None unless the value and the slope are positive.
 
-        The deviation of the power law from the octave is taken as its error below the octave.
+        The deviation of the power law from the series on this octave is taken as the error of the
+        power law below the octave.
         """
         r = 0.5 * octave.half
         value, slope = (

@@ -89,7 +89,8 @@ class AxisymmetricProfile(sie.Kept):
     def derived_error(self, a: float) -> float:
         """Error of p/E* in a spot of radius a, due to numerical derivatives of the shape f.
 
-        p is the integral of (r f')' M(r, s)/pi, and M integrates to at most about pi/2 per octave.
+        p/E* is the integral over s of (s f')'(s) M(r, s)/pi, and the integral of M over an octave
+        of s is at most about pi/2.
         """
         return 0.5 * self._octaves.error(a) if "_octaves" in vars(self) else 0.0
 

@@ -438,7 +438,7 @@ def _closing(gap: Array, place: Index, rounding: float) -> Mask:
     A sample is open if its gap is clearly above round-off.
 
     Samples are sorted by interval and place. At a small distance d from a zone, the gap grows as
-    d^(3/2), and has the sign of the pressure's slope.
+    d^(3/2), and has the sign of the pressure's edge slope at the end of the zone.
     """
     index, first_of = np.arange(len(gap)), np.flatnonzero(np.diff(place, prepend=-1))
     number = np.repeat(np.arange(len(first_of)), np.diff(first_of, append=len(gap)))
@@ -470,8 +470,8 @@ def _samples_in(
 ) -> list[Array]:
     """Positions of the samples of the gap in each of the given intervals.
 
-    Narrow gaps between zones without convex kinks need only the smallest number of samples, and are
-    computed together.
+    Narrow gaps that lie between two zones and contain no convex kink need only the smallest number
+    of samples, and are computed together.
     """
     if not intervals:
         return []

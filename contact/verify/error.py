@@ -142,8 +142,8 @@ def _bent_rims(found: SolvedZones) -> tuple[Array, Array]:
 def _error_of_body(found: SolvedZones) -> float:
     """Relative error due to the smooth part of the body's kernel; 0 for a half-plane.
 
-    The smooth part of a thin layer's kernel nearly cancels that of the half-plane. The sum is so
-    small that rounding and neglected modes are large relative to it.
+    The smooth part of a thin layer's kernel nearly cancels the half-plane's kernel. Their sum is so
+    small that rounding and the neglected terms of series are large relative to it.
     """
     operator = found.fields.problem.operator
     if operator.is_plain or operator.is_own or found.fields.state.density.slit_count:

@@ -35,7 +35,7 @@ SAMPLING = SamplingOptions()
 class Dips:
     """Minima of a function on zones, located between its samples.
 
-    negative: (zone, angle from, angle to) of every minimum below its rounding. least: smallest
+    negative: (zone, angle from, angle to) of every minimum below -rounding. least: smallest
     value above rounding. relative: smallest value divided by its zone's scale; inf if there is
     none. lowest: smallest negative value.
     """

@@ -108,7 +108,7 @@ class DensityBase(Kept):
         """Largest values, on each zone, of |density| and of its changes by motions of the two ends.
         The shape is (3, Z), see `change_sizes`.
 
-        zones: the zones to evaluate, the others have zero; angles: the angles of each of these.
+        zones: the zones to evaluate; all others get zero. angles: for each of `zones`, the angles.
         """
         zone, out = np.repeat(zones, [len(one) for one in angles]), np.zeros((3, len(self.zones)))
         for largest, size in zip(out, self.change_sizes(zone, np.concatenate(angles)), strict=True):

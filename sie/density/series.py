@@ -157,8 +157,8 @@ class Series(DensityBase):
 
         Each has one value for each zone.
 
-        Changes are those at equal normalised position by a motion of an end, divided by the motion
-        relative to the zone's width. Values closer to singular ends and kinks than
+        A change is taken at equal normalised position. It is divided by the motion of the end that
+        causes it, in units of the zone's width. Values closer to singular ends and kinks than
         `DensityOptions.end_distance` do not count, because they are unbounded.
 
         To first order, a motion of an end leaves a bounded density unchanged at fixed places. Only

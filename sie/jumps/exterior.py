@@ -47,10 +47,9 @@ class ExteriorLogarithms(PerZone):
     def near(
         cls, zones: Zones, at: Array, weights: Array, period: float | None
     ) -> "ExteriorLogarithms":
-        """Select the logarithms of the right side whose positions lie outside a zone but close to
-        it.
+        """The logarithms of the right side outside a zone but close to it, or at its end.
 
-        at: their positions, repeated with the period; weights: their factors J/pi.
+        at: positions of all logarithms, repeated with the period; weights: their factors J/pi.
         """
         which = np.arange(len(at))
         if period is not None:

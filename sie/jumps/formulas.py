@@ -148,7 +148,7 @@ class PlacedJumps(PerZone):
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
         """Integral over t, from the left end, of the densities of jumps k; for order 0 only.
 
-        The integral of kappa is (t - s) kappa - theta sin(phi).
+        An antiderivative of kappa(t) is (t - s) kappa - theta sin(phi).
         """
         if np.any(self.order[k] > 0):
             raise ValueError(

@@ -186,7 +186,8 @@ class Logarithms(Kept):
     def _of_complex_lag(self, away: Complex, what: What) -> Complex:
         """Kernel's potential, its derivative or its primitive, at lags z - s with Im(z - s) >= 0.
 
-        what: "transform", "derivative" or "potential" of the plateaus, in this order.
+        what: "transform" for the potential, "derivative", or "potential" for the primitive. They
+        name the field of the plateaus to which the result belongs.
         """
         kernel = self.kernel
         if is_hilbert(kernel) and what != "potential":
@@ -213,11 +214,11 @@ class Logarithms(Kept):
         return out
 
     def on_zones(self, zone: Index, left: Array) -> Array:
-        """Sum of the logarithmic terms at points on zones, less singularities on or near the zone.
+        """Sum of the logarithmic terms at points on zones, without the singularities in or near it.
 
-        left: distances from the zones' left ends in half widths. The omitted part is
-        (J/pi) ln(2 |t - s|) for a position s in the zone, and (J/pi) ln(2 |rho| |t - s|) for one
-        close to it.
+        left: distances from the zones' left ends in half widths. For a jump at s in the zone of the
+        point, (J/pi) ln(2 |t - s|) is omitted; for a jump close to this zone,
+        (J/pi) ln(2 |rho| |t - s|) is omitted.
         """
         if self._are_many(len(zone)):
             return -self._sums_on_zones(zone, self.zones.half[zone] * left, self._near_zones)

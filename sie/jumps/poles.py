@@ -342,7 +342,8 @@ class Poles(PerZone):
     def mean_offsets(self, zones: int) -> Array:
         """Contribution of the poles to the mean of the right side's primitive on each zone.
 
-        T_1 contributes -1/4. T_j with odd j > 1 contributes 1 / (j^2 - 1).
+        In the Chebyshev series of the right side, T_1 contributes -1/4, and T_j with odd j > 1
+        contributes 1 / (j^2 - 1), times its coefficient.
         """
         p, m = self.roots
         parts = 0.25 * self.q * (1.0 / self.rho - self.rho) * np.log(4.0 * p * m / (p + m) ** 2)

@@ -193,7 +193,7 @@ class ForcingJumps(PlacedJumps):
         """For the jumps of a zone, the distances from its left end in half widths, and the orders.
         The order of a jump is the number of the derivative that jumps.
 
-        The knots of its spline are included.
+        The knots of the zone's spline are included.
         """
         k = self.by_zone[zone]
         if zone not in self.splines:

@@ -35,8 +35,8 @@ class AsperitiesOfThePaper:
     # The amplitude of the wave, and also the slope of the wedge. The pressures are proportional to
     # this number.
     scale: float = 0.01
-    # The pressure on wave and wedge is drawn at these contact fractions 2a/L. That on the parabola
-    # is drawn at these mean pressures, divided by E*.
+    # The pressure on wave and wedge is drawn at the contact fractions 2a/L in `fractions`. The
+    # pressure on the parabola is drawn at the mean pressures, divided by E*, in `pressures`.
     fractions: tuple[float, float] = (0.4, 0.7)
     pressures: tuple[float, float] = (0.05, 0.15)
     # Number of points of each curve that has the contact width as abscissa.
