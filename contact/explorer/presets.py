@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Preset:
-    """A scene that the page offers. about: description, a phrase; text: text of the scene file."""
+    """A scene that the page offers. about: a short description; text: the scene file."""
 
     about: str
     text: str

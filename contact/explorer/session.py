@@ -69,7 +69,7 @@ class Session:
     def __init__(self, given: Given, tol: float, is_awaited: Callable[[], bool]) -> None:
         self.given, self.tol, self.is_awaited = given, tol, is_awaited
         self.solution: Solution | None = None
-        self._curve: Curve | None = None  # of the solutions while the slider of the control moves
+        self._curve: Curve | None = None  # followed while the slider of the control moves
         self._walk: Iterator[Solution] | None = None
         self._points: list[Point] = []
         self._lines = 0  # number of load curves so far; tells the page which curve is outdated

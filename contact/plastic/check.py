@@ -1,4 +1,4 @@
-"""The certificate of a contact with plateaus: signs on the whole line.
+"""The certificate of a contact with plateaus: signs of pressure, overlap and gap everywhere.
 
     elastic   0 < p < H
     plateau   overlap >= 0

@@ -1,4 +1,4 @@
-"""The first contacts and plateaus, from a grid on which 0 <= p <= H."""
+"""The first contacts and plateaus, from a grid on which the pressure is at most the limit H."""
 
 from __future__ import annotations
 

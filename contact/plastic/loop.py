@@ -1,4 +1,4 @@
-"""Newton on the ends, check of the states, correction of the spots, until all states are right.
+"""Search loop: Newton's method for ends, check of signs, correction of contacts and plateaus.
 
 The contact minimizes a strictly convex energy. So only one set of contacts and plateaus has the
 right state (gap, elastic or plateau) everywhere.

@@ -1,4 +1,4 @@
-"""Contact under a limit of the pressure: grid, loop, and the tolerance; see `Routes.module`."""
+"""Contact under a limit of the pressure: first guess from a grid, search loop, and tolerance."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ def _cut(contacts: Array, negative: Array, period: float | None, full: bool) -> 
 
 
 def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
-    """The state with each plateau clipped to its contact, leaving elastic rims next to gaps.
+    """The contacts and plateaus, with plateaus clipped so that elastic rims next to gaps remain.
 
     rims: whether each rim is at least `RIM` times as wide as the plateau next to it.
     """

@@ -169,7 +169,6 @@ class SlitDensity(DensityBase):
     @cached_property
     def _edged(self) -> Density:
         """Smooth part of the density, plus the slits' part that is singular at ends of wide zones.
-
         A slit is a narrow gap inside a wide zone. The singular part is (alpha + beta t) / X, X =
         sqrt(1 - t^2), with the coordinate t of the wide zone.
         """
@@ -268,7 +267,6 @@ class SlitDensity(DensityBase):
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
         """Coefficients of sqrt(d) in s sqrt(1 - t^2) at a distance d from the ends of the slits.
-
         s is the slack (the slit's unknown), with the part psi that jumps cause (see
         `sie.slits.kinks`).
         """

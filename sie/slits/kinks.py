@@ -188,7 +188,6 @@ class SlitKink(Kept):
 
     def slack_coefficients(self, count: int) -> Array:
         """Coefficients s_k on the wide zone, k = 0 ... count, of psi, a part of the slack.
-
         psi is the part of the slack (the unknown function in the slit) that the jump causes.
         """
         _, _, angle, weight = self.seen

@@ -153,9 +153,10 @@ def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Compl
 
 def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Complex:
     """Transform, or its derivative by zeta, of the density due to psi, a part of the slack.
-
     psi is the part of the slack (the slit's unknown function) that a jump causes, see
-    `SlitKink.slope`. The formula holds off the wide zone. seen, inner: the points relative to the
+    `SlitKink.slope`.
+
+    The formula holds off the wide zone. seen, inner: the points relative to the
     wide zone and to the slit.
     """
     _, l, r = kink.mean_places

@@ -56,9 +56,10 @@ class SlitOptions:
     # becomes a slit below `max_gap` divided by this factor. Without this hysteresis, slits come and
     # go in every Newton step.
     hysteresis: float = 1.5
-    # Largest width of a slit that contains a jump of the second derivative of g, or a point s of a
-    # term |x - s|^p in g. The width is divided by that of the narrower adjacent zone. This limit is
-    # stricter than `max_gap`, because a spline may have hundreds of such jumps.
+    # Largest width of a slit that contains a jump of the second derivative of the right side, or a
+    # point s of a term |x - s|^p in the right side. The width is divided by the width of the
+    # narrower adjacent zone. This limit is stricter than `max_gap`, because a spline may have
+    # hundreds of such jumps.
     max_gap_with_jumps: float = 0.003
     # Largest number of Chebyshev modes of the unknown function in one slit.
     max_modes: int = 512
@@ -249,7 +250,7 @@ def _zero_intensities(pieces: Zones) -> bool:
 
 
 def _jumps_inside(equation: Equation, pieces: Zones, after: Array) -> Mask:
-    """Whether each gap has a jump of the second derivative of g, or a term |x - s|^p at s in it."""
+    """Whether each gap contains a jump of g'' or a point s of a term |x - s|^p; g: right side."""
     jumps = equation.forcing.jumps
     at = jumps.at[np.asarray(jumps.orders) > 1] if not jumps.of_density else np.zeros(0)
     if jumps.algebraic is not None:
@@ -347,7 +348,7 @@ class Slit(Kept):
 
 
 def outside_slit(excess: Array, sign: Array | float, d: Array) -> Array:
-    """Transform (1/pi) int sigma(tau) / (t - tau) dtau, off the slit, of sigma on a slit.
+    """Transform (1/pi) int sigma(tau) / (t - tau) dtau, off a slit, of sigma on the slit.
 
     d: Chebyshev series of sigma. excess: |z| - 1 at the points, the distance from the slit in its
     half widths; sign: 1 right of the slit, -1 left of it.
@@ -463,10 +464,8 @@ class Slits(Kept):
 
     @cached_property
     def by_coefficients(self) -> Array:
-        """Matrix from the coefficients c_k of the smooth density to the right sides of the slits.
-
-        They are the right sides of the equations in the slits. The smooth density is that on the
-        wide zone without the part that the slits cause.
+        """Matrix from coefficients c_k of the smooth density to right sides of equations in slits.
+        The smooth density is the density on the wide zone without the part that the slits cause.
         """
         return self._rows(
             lambda slit, left, right: np.cos(
@@ -511,8 +510,8 @@ class Slits(Kept):
         return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
-        """For each slit, a row of zeros, then U_(l-1) coefficients of the functions `values`.
-
+        """For each slit, a row of zeros, then rows with coefficients of the functions `values`.
+        These are the coefficients in the Chebyshev polynomials U_(l-1), l = 1, 2, ...
         The row of zeros belongs to the condition on the integral of the slit's slack.
         """
         blocks = []

@@ -184,7 +184,7 @@ class Solved(Resolved):
 
     @property
     def rest(self) -> float:
-        """Change in the last step of the iteration between zones and slits: zero, without slits."""
+        """Change in the last step of the iteration between zones and slits; 0 without slits."""
         return 0.0
 
     @property
@@ -193,12 +193,12 @@ class Solved(Resolved):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone: mean over the zone of (potential - primitive of g)."""
+        """Level of each solved zone: mean of the potential minus the right side's primitive."""
         return self.system.level_changes(self.unknowns) + self.system.level_constants
 
     def level_rates(self, values: Array) -> Array:
         """Changes of the solved zones' `levels` for given changes of the side conditions' values.
-        The level of a zone is the mean of the potential minus the primitive of g.
+        The level of a zone is the mean of the potential minus the primitive of the right side.
         """
         return self.system.level_changes(self.response_unknowns(values))
 
@@ -229,7 +229,7 @@ class Solved(Resolved):
     @cached_property
     def level_rows(self) -> Array:
         """Coefficients (rows, solved zones) of the zones' levels in the rows of side conditions.
-        The level of a zone is the mean of the potential minus the primitive of g.
+        The level of a zone is the mean of the potential minus the primitive of the right side.
         """
         zones = self.density.zones
         out = np.zeros((len(self.condition_scale), len(zones.solved)))

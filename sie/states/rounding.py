@@ -311,9 +311,9 @@ def _level_noise(state: Solved) -> Array:
 def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> float:
     """Round-off of the values of the right side's primitive at the ends of zones.
 
-    It has two parts. Values are rounded relative to their range on the zones and between them. The
-    round-off of their evaluation is measured as the deviation from straight lines over a few units
-    in the last digit of x.
+    The round-off has two parts. Values are rounded relative to their range on the zones and between
+    them. The round-off of their evaluation is measured as the deviation from straight lines over a
+    few units in the last digit of x.
     """
     assert forcing.primitive is not None
     ends = np.unique(np.concatenate((zones.a, zones.b)))

@@ -384,7 +384,7 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
         return _root_below(c, excess)
 
     def at(self, parameter: float) -> _DugdaleState:
-        """The equilibrium whose tension ends at c = `parameter`; it acts on a < |x| < c."""
+        """The equilibrium whose tension, on a < |x| < c, ends at c = `parameter`."""
         return DugdaleZone(self._frictionless(self._half_width(parameter)), self.stress, parameter)
 
     def _carrying(self, load: float, parameter: float) -> _DugdaleState:

@@ -170,7 +170,6 @@ class PeriodicPower(PeriodicZone, _Power):
 
     def _position(self, a: Array, w: Array, rest: Array) -> tuple[Array, Array, Array]:
         """Half width s, cos(pi s/L) and sin(pi s/L) as functions of the integration variable w.
-
         The half width s solves sinh w = sqrt(sin^2 A - sin^2(pi s/L))/cos A, A = pi a/L. `rest` is
         the distance artanh(sin A) - w from the upper limit, where s = 0.
         """
