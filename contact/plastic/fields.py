@@ -35,7 +35,8 @@ class PlasticFields(ZoneFields):
     @cached_property
     def true_spots(self) -> Spots:
         """Contacts and plateaus with their true ends.
-        Very narrow elastic rims, which are stored as wider zones, have their true widths here.
+        Very narrow elastic rims between plateaus and gaps are stored as wider zones. Here they have
+        their true widths.
         """
         zones, spots = self.density.zones, self.spots
         if not zones.depth.any():

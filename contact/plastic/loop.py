@@ -40,8 +40,8 @@ class LoopOptions:
 OPTIONS = LoopOptions()
 
 AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
-# The width of the elastic rim at a contact's end is proportional to exp(-pi E* s/(2 H)). Here s is
-# the profile's slope at this end, and H is the hardness.
+# The width of the elastic rim between a plateau and the end of the contact is proportional to
+# exp(-pi E* s/(2 H)). Here s is the profile's slope at this end, and H is the hardness.
 NARROW_RIM = (
     "between a plateau and a gap the pressure falls from its limit to zero over less than numbers "
     "tell: the profile is too steep there for so small a hardness, or a contact beside it is about "

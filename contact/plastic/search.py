@@ -83,8 +83,8 @@ def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZ
     """
     problem, control = scaled.problem, scaled.control
     highest = context.scene.law.pressure_range.highest / problem.units.pressure
-    # With a looser tolerance, the narrow elastic rims next to plateaus would still move when the
-    # ends count as found.
+    # With a looser tolerance, the ends would count as found while the narrow elastic rims next to
+    # plateaus still move.
     loop = PlasticLoop(problem, control, highest, min(context.tolerance, SEARCH.intermediate))
     with context.plan.timed("zone ends"):
         outcome = loop.solved(spots)

@@ -151,7 +151,7 @@ def hardest_reached(cells: Cells) -> Cells:
 
 def faster_elsewhere(cells: Cells) -> Cells:
     """Short form of a table of times: scenes that another code solves faster.
-    The times are those to the largest error bound, which comes first.
+    The columns of the largest error bound are kept; they come first.
     """
     count = len({name.partition(": ")[2] for name in cells.columns[1:]})
     first = picked(cells, range(1 + count))

@@ -77,7 +77,7 @@ class OneGap:
 
     @property
     def _theta(self) -> Array:
-        """Angles theta of the Chebyshev nodes on the gap, y = tau cos(theta)."""
+        """Angles theta of the Chebyshev nodes y = tau cos(theta) on the gap (head of module)."""
         return np.asarray(np.pi * (np.arange(self.nodes) + 0.5) / self.nodes)
 
     @property

@@ -73,8 +73,8 @@ def contact_mechanics(
     results: list[Any] = []
 
     def run() -> None:
-        # The default penetration tolerance is too loose. The one used here is relative to the range
-        # of the heights.
+        # The default penetration tolerance is too loose. The tolerance used here is relative to the
+        # range of the heights.
         results[:] = [
             system.minimize_proxy(
                 external_force=case.mean_pressure * length,

@@ -100,7 +100,7 @@ def precision_table(rows: list[Row], tols: Sequence[float] = (1e-4, 1e-12)) -> T
 
 
 def stated_table(rows: list[Row]) -> Table:
-    """Table that shows how often the stated error is a bound of the true error, and sharp.
+    """Table that shows how often the stated error bounds the true error, and how often sharply.
     A stated error is sharp if it is at most 100 max(true error, 1e-13).
     """
     mine = [

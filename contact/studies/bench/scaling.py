@@ -1,4 +1,4 @@
-"""Time and memory against zones, nodes and harmonics, and against the floor.
+"""Time and memory against zones, nodes and harmonics, and a lower estimate of time, the floor.
 
 The floor is the least work of any solver by direct sums. It evaluates the profile once at the final
 nodes, and sums the kernel once between all pairs of nodes, in numpy. Fast sums can take less.

@@ -63,8 +63,8 @@ def dugdale() -> Iterator[Extreme]:
     """Extreme scenes under Dugdale's law, with tensions of long and of short range."""
     group = "Dugdale"
     for ratio in (1e-2, 1e-1, 1.0, 10.0, 100.0):
-        # The tension is `ratio` times (w E*^2/(pi R))^(1/3), w the work of adhesion. At a ratio of
-        # 1 Maugis's parameter is of order 1.
+        # The tension is `ratio` times (w E*^2/(pi R))^(1/3), with the work of adhesion w and the
+        # radius R. At a ratio of 1 Maugis's parameter is of order 1.
         cylinder = DugdaleCylinder(1.0, 1.0, 1e-6, ratio * (1e-6 / pi) ** (1 / 3))
         plain = _wave()
         stress = ratio * (plain.work * plain.amplitude / pi) ** (1 / 3)

@@ -42,5 +42,8 @@ class Extreme:
 
     @property
     def decidable(self) -> bool:
-        """Whether the allowed error is below `hair`. If so, only one number of zones is right."""
+        """Whether only one number of zones is right: the allowed error is below `hair`.
+        `hair` is the relative width of the narrowest gap, or the relative pressure of the smallest
+        zone.
+        """
         return self.allowed < self.hair
