@@ -257,7 +257,7 @@ class Sensitivity(sie.Kept):
         return to.table in self.solution.scene.profile.bodies and not self._functionals.refusal
 
     def of_tops(self, to: str, number: str = "max_pressure") -> Array:
-        """Derivatives (entries, k) of a number at each of its k places, without error.
+        """Derivatives (entries, k) of pressure or stress at its k local maxima; no error estimates.
 
         to: the name of data of the scene; a number counts as one entry.
         number: "max_pressure" or "max_stress".

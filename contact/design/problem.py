@@ -32,7 +32,7 @@ class Contacts(NamedTuple):
 
     @property
     def yields(self) -> bool:
-        """Whether the stresses are those of first yield."""
+        """Whether the stresses were computed under the load of first yield."""
         return bool(self.stresses) and self.stresses[0].first is not None
 
 

@@ -109,8 +109,8 @@ class Variables:
         return np.asarray(table * (self.high - self.low).reshape((-1,) + (1,) * (table.ndim - 1)))
 
     def top_slopes(self, by: Sensitivity, number: str) -> Array:
-        """Derivatives (entries, places) by the vector of a number at each of its places.
-        The number is "max_pressure" or "max_stress".
+        """Derivatives (entries, k) of pressure or stress at k local maxima, by the scaled data.
+        number: "max_pressure" for the pressure, "max_stress" for the stress.
         """
         table = np.concatenate([by.of_tops(name, number) for name in self.own])
         return np.asarray(table * (self.high - self.low)[:, None])

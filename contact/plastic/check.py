@@ -37,8 +37,8 @@ class Checked:
 
 @record
 class _Plateaus(PlasticFields):
-    """Fields in which plateaus replace the gaps, for the check of signs.
-    So the check of open gaps checks the overlap of the surfaces on the plateaus.
+    """Fields whose open intervals are the plateaus, with the overlap there in place of the gap.
+    The check that gaps are not negative then checks that the overlap is not negative.
     """
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:

@@ -88,8 +88,8 @@ class Progress:
         The move is the largest one of all ends, relative to the width of the end's zone.
         """
         last = self.trace[-1].move if self.trace else 1.0
-        # `most` is the largest relative move of an end without those zones whose ends move most, a
-        # fraction `unresolved_fraction` of all zones. Those zones may vanish.
+        # `most` is the largest relative move of an end. The zones whose ends move most are left out,
+        # a fraction `unresolved_fraction` of all zones, because they may vanish.
         last = self.most if self.options.unresolved_fraction else min(last, self.initial_error)
         return self.options.forcing * last**3
 

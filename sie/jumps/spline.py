@@ -156,8 +156,8 @@ class QuadraticSpline(Kept):
         cls, knots: Array, jumps: Array, f: Callable[[Array], Array]
     ) -> "tuple[QuadraticSpline, Array, Array] | None":
         """Spline that replaces most jumps of f'', and the jumps that remain.
-        The result is (spline, remaining jumps, empty table of added jumps). It is None if f does
-        not have the given `jumps`.
+        The result is (spline, remaining jumps, added jumps). This spline adds no jumps, but
+        `ConjugateSpline.inside` does. The result is None if f does not have the given `jumps`.
 
         The spline consists of those B-splines of f that lie inside the zone. `jumps` are the jumps
         of the second derivative of f, divided by two.
