@@ -90,9 +90,10 @@ class CohesiveState(State):
 
 @record
 class PastState:
-    """Intervals of tension, control value, zones and zone rates of an earlier state.
+    """Intervals of tension, control value and zones of an earlier state, with derivatives of zones.
 
-    It is kept to start the solution of other states.
+    The ends of zones are differentiated by the ends of the tension and by the control. These data
+    start the solution of other states.
     """
 
     table: Array

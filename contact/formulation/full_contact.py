@@ -78,7 +78,7 @@ class FullLimit(sie.Kept):
             (valleys[-1:] - relief.period, valleys, valleys[:1] + relief.period)
         )
         # At the onset, the pressure of full contact is negative up to the distance `least` on each
-        # side of a concave kink. The gap of the solution is twice as wide as this interval.
+        # side of a concave kink. The gap of the solution is then 4 `least` wide.
         least = TOLERANCES.narrowest_gap * relief.period / 2
 
         def beside_valleys(x: Array) -> Array:

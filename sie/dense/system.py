@@ -585,10 +585,9 @@ class System(Rows):
         constants = rows @ layout.flat(self.known)
         if self.unseen_moments is not None:
             constants = constants + self.of_panels(self.unseen_moments)[1]
-        # A rim (a zone between two different end values) has a smaller true width than it has here,
-        # by the factor exp(`Zones.depth`). The unknown total of the density on the rim is spread
-        # over the true width, so its mean potential differs. The known part of the density is not
-        # corrected.
+        # The width of a rim (a zone between two different end values) is exp(`Zones.depth`) times
+        # its true width. The unknown total of the density is spread over the true width, so that
+        # its mean potential is corrected. The known part of the density is not corrected.
         rows[np.arange(len(solved)), layout.offset[solved]] += (zones.half * zones.depth)[solved]
         for k, column in enumerate(self.equation.columns):
             rows[:, layout.coefficients + k] = -self._column_means(column.primitive)
