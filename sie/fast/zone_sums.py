@@ -29,7 +29,7 @@ from sie.dense.system import Layout
 from sie.trees.far import FarSum, Nested
 from sie.trees.panels import Panels, panels_over
 from sie.trees.skeleton import Skeleton
-from sie.trees.tree import TERMS, Tree
+from sie.trees.tree import TERMS, Pairs, Tree, apart
 
 
 class NearSums:
@@ -45,15 +45,8 @@ class NearSums:
         other = ~((solved[pairs.target] == pairs.source) & (pairs.shift == 0.0))
         place, source, shift = pairs.target[other], pairs.source[other], pairs.shift[other]
         zone = solved[place]
-        right = zones.middle[zone] > zones.middle[source] + shift
-        past = (zones.a[zone] - (zones.b[source] + shift)) + (
-            zones.rest[0, zone] - zones.rest[1, source]
-        )
-        before = ((zones.a[source] + shift) - zones.b[zone]) + (
-            zones.rest[0, source] - zones.rest[1, zone]
-        )
-        self.place, self.source, self.sign = place, source, np.where(right, 1.0, -1.0)
-        self.gap = np.where(right, past, before)
+        self.place, self.source = place, source
+        self.sign, self.gap = apart(zones, Pairs(zone, source, shift))
         self.half, self.width = zones.half[source], zones.half[zone]
         self.nodes = layout.m[solved]  # number of nodes of each solved zone
         # The powers of rho decay most slowly at the node nearest to the source. The decay rate at

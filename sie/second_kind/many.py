@@ -38,7 +38,7 @@ from sie.states.options import THETA
 from sie.trees.far import FarSum, Nested, reaches
 from sie.trees.krylov import gmres
 from sie.trees.panels import panels_over
-from sie.trees.tree import TERMS, Pairs, Tree
+from sie.trees.tree import TERMS, Pairs, Tree, apart
 
 # Type of a function from the number of modes of a zone to (1 + t, 1 - t) of points on it.
 PointsOf = Callable[[int], tuple[Array, Array]]
@@ -242,15 +242,6 @@ class FieldSums:
         series = self._far_series(y, False)
         waves = np.cos(np.arange(TERMS)[:, None] * THETA)
         return np.asarray(series @ waves + (self.near_between @ y).reshape(-1, len(THETA)))
-
-
-def apart(zones: Zones, pairs: Pairs) -> tuple[Array, Array]:
-    """(1 or -1 if the target zone is right or left of the source zone, gap between them)."""
-    t, s, shift = pairs.target, pairs.source, pairs.shift
-    right = zones.middle[t] > zones.middle[s] + shift
-    past = (zones.a[t] - (zones.b[s] + shift)) + (zones.rest[0, t] - zones.rest[1, s])
-    before = ((zones.a[s] + shift) - zones.b[t]) + (zones.rest[0, s] - zones.rest[1, t])
-    return np.where(right, 1.0, -1.0), np.where(right, past, before)
 
 
 @dataclass(frozen=True, eq=False)

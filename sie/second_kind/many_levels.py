@@ -26,7 +26,6 @@ from sie.second_kind.many import (
     ManyRows,
     ManySolver,
     PointsOf,
-    apart,
     between_nodes,
     lacks_fast_fields,
     nodes_of,
@@ -34,7 +33,7 @@ from sie.second_kind.many import (
 from sie.second_kind.state import OPTIONS
 from sie.second_kind.system import bases_of, targets_at
 from sie.states.options import THETA
-from sie.trees.tree import TERMS
+from sie.trees.tree import TERMS, apart
 
 Weight = Callable[[Array], Array]
 

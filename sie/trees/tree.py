@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis.data import Array, Index, record
+from sie.basis.zones import Zones
 
 TERMS = 24
 SEPARATION = 1.45
@@ -127,6 +128,15 @@ class Pairs:
 
     def __len__(self) -> int:
         return len(self.target)
+
+
+def apart(zones: Zones, pairs: Pairs) -> tuple[Array, Array]:
+    """(1 or -1 if the target zone is right or left of the source zone, gap between them)."""
+    t, s, shift = pairs.target, pairs.source, pairs.shift
+    right = zones.middle[t] > zones.middle[s] + shift
+    past = (zones.a[t] - (zones.b[s] + shift)) + (zones.rest[0, t] - zones.rest[1, s])
+    before = ((zones.a[s] + shift) - zones.b[t]) + (zones.rest[0, s] - zones.rest[1, t])
+    return np.where(right, 1.0, -1.0), np.where(right, past, before)
 
 
 def interactions(targets: Tree, sources: Tree, shifts: tuple[float, ...]) -> tuple[Pairs, Pairs]:
