@@ -187,7 +187,7 @@ def shown(value: Any) -> str:
 
     Arrays show their first and last numbers. The end of a path, which names the file, is kept.
     """
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray) and not isinstance(value, np.ma.MaskedArray):
         text = np.array2string(value, separator=", ", threshold=8, edgeitems=3)
     else:
         # With this option, numbers of numpy types print like Python numbers, also inside lists.

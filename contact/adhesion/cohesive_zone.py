@@ -36,7 +36,7 @@ from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.tables import outward
+from contact.formulation.tables import located, outward
 from contact.formulation.tolerances import allowed_overlap
 from contact.model.profiles.noise import EPS
 from sie import Array, Mask
@@ -255,6 +255,8 @@ class CohesiveCurve(Curve):
         # If an interval of tension and a zone of contact end at the same point, this end is pinned
         # at a sharp corner. The gap there is 0, so that the residual 1 - gap / reach is 1.
         at = table.T.ravel()
+        if (covered := located(zones, at)[1]).any():
+            raise EndsCovered(covered)
         is_open, residual = ~np.isin(at, zones), np.ones(len(at))
         residual[is_open] -= fields.formal_gap(at[is_open]) / self.reach
         if same_rates is not None and len(zones) == len(same_rates.zones):

@@ -508,6 +508,8 @@ def over_jumps(
     """
     x = np.asarray(x, dtype=float)
     out = np.zeros(x.size)
+    # The function may be infinite at a jump of height 0, and 0 times infinity is no number.
+    at, weights = at[weights != 0.0], weights[weights != 0.0]
     if len(at) == 0:
         return out.reshape(x.shape)
     flat = x.ravel()

@@ -194,7 +194,9 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
         raise SceneError.of(field, value, allowed)
     if hasattr(value, "magnitude"):
         raise SceneError.of(field, value, allowed + ", in SI units and without a unit object")
-    if np.ma.is_masked(value):
+    if np.ma.is_masked(value) or (
+        isinstance(value, (list, tuple)) and any(v is np.ma.masked for v in value)
+    ):
         raise SceneError.of(field, value, allowed + ", none masked")
     try:
         raw = np.asarray(value)
@@ -213,8 +215,10 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
 
 
 def real(field: str, value: Any) -> Array:
-    """Return an array of real numbers as floats; infinite numbers become NaN."""
+    """Return an array of real numbers as floats; infinite and masked numbers become NaN."""
     raw = as_array(value)
+    if np.ma.is_masked(value):
+        raw = np.ma.filled(np.ma.asarray(value, dtype=np.float64), np.nan)
     if raw.dtype.kind not in "iuf" and raw.size:
         raise SceneError.of(field, value, f"real numbers, of any shape (got type {raw.dtype})")
     array = np.asarray(raw, dtype=np.float64)

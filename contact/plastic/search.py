@@ -21,7 +21,7 @@ from contact.search.grid.scaling import ScaledScene, scaled_scene
 from contact.search.options import LEAST, SEARCH
 from contact.search.topology.failure import Failure
 from contact.solution.solution import Solution
-from contact.verify.error import SolvedZones, limit, position_rounding
+from contact.verify.error import SolvedZones
 
 
 def found(context: SolveContext) -> SolvedZones:
@@ -89,16 +89,15 @@ def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZ
     with context.plan.timed("zone ends"):
         outcome = loop.solved(spots)
         while isinstance(outcome, SolvedZones) and outcome.error > context.tol:
-            if loop.tolerance <= LEAST or _is_rounding(outcome, context.tol):
+            if loop.tolerance <= LEAST:
                 break
             loop = replace(loop, tolerance=max(LEAST, SEARCH.tight_factor * loop.tolerance))
             better = loop.tightened(outcome)
-            if not isinstance(better, SolvedZones) or better.error >= outcome.error:
+            if not isinstance(better, SolvedZones):
                 break
-            outcome = better
+            # The error stays the same if the last Newton step was already below this tolerance.
+            # Smaller tolerances may still help: next to a narrow plateau, the pressure changes by
+            # many times the relative motion of an end.
+            if better.error <= outcome.error:
+                outcome = better
     return outcome
-
-
-def _is_rounding(found: SolvedZones, tol: float) -> bool:
-    """Whether round-off alone moves the ends by so much that no error below `tol` can be stated."""
-    return bool(limit(found.free, tol, "zone", position_rounding(found), found.fields.problem.end))

@@ -164,12 +164,13 @@ class TestNames:
     def test_an_unknown_closure_is_refused_with_those_there_are(self):
         refused(lambda: contact.Localized("second-order"), "first-order", "self-consistent")
 
-
     @pytest.mark.parametrize("cls", PARTS, ids=lambda cls: cls.__name__)
     def test_an_argument_that_does_not_exist_is_refused_with_the_nearest(self, cls):
         for name, argument in inspect.signature(cls).parameters.items():
             if argument.kind is not argument.POSITIONAL_ONLY:
-                said = refused(lambda name=name: cls(**{name + "s": 1.0}), f"'{name}s' is not known")
+                said = refused(
+                    lambda name=name: cls(**{name + "s": 1.0}), f"'{name}s' is not known"
+                )
                 assert f"did you mean '{name}'?" in said
         with pytest.raises(TypeError):  # as Python's own
             cls(nonsense=1.0)
@@ -295,3 +296,10 @@ class TestOutOfRange:
         assert caught.value.best.error > 1e-12
         assert len(caught.value.trace) > 0
         assert abs(caught.value.best.load / 1e-12 - 1) < 1e-6
+
+    def test_a_masked_number_is_refused_or_unknown_and_a_message_does_not_show_what_it_hides(self):
+        with pytest.raises(contact.SceneError, match="amplitude = masked is refused"):
+            contact.Sinusoid(np.ma.masked, 1e-4)
+        found = contact.solve(contact.Scene(HERTZ, 1e9, ISOLATED, load=1.0))
+        pressure = found.pressure(np.ma.array([0.0, 0.0], mask=[False, True]))
+        assert pressure[0] == found.max_pressure and np.isnan(pressure[1])

@@ -9,6 +9,7 @@ import contact
 from contact.reference import exact
 from contact.reference.inverse import random_problem
 from contact.search.strategies.gaps import GapOptions
+from contact.studies.scene_families import PiecewiseLinear
 from tests.contact.corners import polygon
 from tests.contact.judge import pressure_error, true_error
 from tests.tiers import quick
@@ -194,3 +195,12 @@ def test_what_full_contact_takes_of_the_pressure_is_sampled_once_for_all_loads_o
         # Nothing that is sampled lies above the peak, nor much below it.
         peak = pressure.max() * solution.fields.problem.units.pressure
         assert 0.99 * solution.max_pressure < peak <= (1 + 1e-12) * solution.max_pressure
+
+
+def test_a_declared_kink_without_a_jump_leaves_the_pressure_finite():
+    profile = PiecewiseLinear(np.array([-0.5, -0.25, 0, 0.25]), np.array([2, 1, 0, 0.4]), 1.0)
+    assert profile.kinks[1, 1] == 0.0
+    found = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=0.9))
+    assert found.certificate.note == "solved by its gaps"
+    pressure = found.pressure([-0.25, -0.25 + 1e-12])
+    assert pressure[0] == pytest.approx(pressure[1], rel=1e-9)

@@ -64,6 +64,14 @@ def test_a_flat_punch_yields_up_to_its_corners():
     assert np.any(np.abs(found.pressure(0.99 * x) - exact) > 1e-4)
 
 
+@pytest.mark.parametrize("part, tol", [(1e-2, 1e-8), (1e-3, 1e-8), (1e-4, 1e-6)])
+def test_plateaus_of_a_flat_punch_are_found_that_are_a_billionth_of_its_width(part, tol):
+    found = solved(contact.Flat(4.0), 1.0, 1.0, contact.Isolated(), load=4 * part, tol=tol)
+    width = (2 * part) ** 2 / (2 + 2 * np.sqrt(1 - part**2))  # P = 2 H sqrt(a^2 - c^2)
+    assert np.diff(found.plateaus)[:, 0] == pytest.approx([width, width], rel=2 * found.error)
+    assert found.error <= tol
+
+
 def test_a_row_of_flat_punches_yields_up_to_the_corners():
     A, C = 0.9, 0.5
     mean = 2 / np.pi * np.arccos(np.cos(A) / np.cos(C))
@@ -217,6 +225,14 @@ def test_a_contact_fraction_is_that_of_the_load_found(fraction):
     for one in exact, contact.solve(exact.scene.under("load", 0.48)):  # which has no gap
         again = contact.solve(found.scene, tol=1e-6, near=one)
         assert again.load == pytest.approx(found.load, rel=1e-6)
+
+
+@pytest.mark.parametrize("profile", [FOUR, contact.Sinusoid(0.1, 1.0)])
+def test_a_given_approach_at_a_small_hardness_is_that_of_the_load_found(profile):
+    """A grid has hardly a point between plateau and gap."""
+    found = solved(profile, 0.02, approach=0.02, tol=1e-8)
+    again = solved(profile, 0.02, load=found.load, tol=1e-8)
+    assert again.approach == pytest.approx(0.02, rel=1e-7)
 
 
 def test_a_half_width_is_that_of_one_contact_about_the_origin():

@@ -211,6 +211,7 @@ def test_declared_jumps_of_the_third_derivative_are_those_of_the_height() -> Non
         ([0, 1, 2, 3], [0, 1, 1j, 1], None, "height"),
         ([0, 1, 2, 3], [True, False, True, False], None, "height"),
         ([0, 1, 2, 3], np.ma.array([0, 1, 2, 3], mask=[0, 1, 0, 0]), None, "height"),
+        ([0, 1, 2, 3], [0, 1, np.ma.masked, 3], None, "height"),
         ([0, 1, 2, 3], [2, 2, 2, 2], None, "height"),
         ([0, 1, 2, 3], [0, 1, 0, 1], 2.9, "period"),
         ([0, 1, 2, 3], [0, 1, 2, 0], 3.0, "x"),

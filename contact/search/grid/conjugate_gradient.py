@@ -540,6 +540,9 @@ class _Run:
         The motion of the ends has no effect at first order, as the pressure is zero there.
         """
         mask = state.contact & ~state.capped
+        if not mask.any():
+            # All points in contact are at the cap. The compliance without the cap is a lower bound.
+            mask = state.contact
         if state.full and mask.all():
             return self.influence.yields / (self.influence.n * self.influence.h)
         _, _, level, _, _ = self.conjugate_gradient(
@@ -588,12 +591,14 @@ class _Run:
             else:
                 high = load
             if high < np.inf and high - low <= TOLERANCES.balance * high:
-                if inf.is_periodic:
+                capped = bool(state.capped.any())
+                if inf.is_periodic and not capped:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
-                if slope * load > OPTIONS.first_tolerance * depth:
+                if capped or slope * load > OPTIONS.first_tolerance * depth:
                     # The bracket has closed although the level (displacement plus height in
                     # contact) still rises with the load. So the solutions are too inexact for the
-                    # bracket, as happens for a nearly incompressible layer.
+                    # bracket, as happens for a nearly incompressible layer, or under a cap if the
+                    # points below the cap are few.
                     return replace(state, converged=False)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure
