@@ -109,7 +109,12 @@ def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
         assert cell is not None
         detail = profile.resolution or detail_of(profile.height, *cell)
         x = np.linspace(*cell, int(np.clip(4 * (cell[1] - cell[0]) / detail, 1025, 2**20)))
-    return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
+    at, highest = maximum(lambda points: -np.asarray(profile.height(points)), x)
+    # `maximum` interpolates by a parabola, which is wrong at a tip.
+    kinks = profile.kinks[:, 0]
+    tips = np.asarray(profile.height(kinks[(kinks >= x[0]) & (kinks <= x[-1])]))
+    tip = float(tips.min(initial=np.inf))
+    return tip if tip <= float(profile.height(np.array(at))) else -highest
 
 
 @record

@@ -104,12 +104,18 @@ def error_at(fields: Fields, x: Array, y: Array, normal: Transform, error: float
     """Bound of the errors of stresses [Pa] computed from the pressure's transform `normal`."""
     local = np.abs(normal[0]) + np.where(y == 0, 0.0, y * np.abs(normal[1]))
     size = unit_pressure(fields)
-    rounding = OPTIONS.rounding_margin * np.finfo(float).eps
+    eps = np.finfo(float).eps
+    rounding = OPTIONS.rounding_margin * eps
     steep = _near_ends(fields, x, y, error)
+    # Close to the tip of a kink, the round-off of the place x changes the stresses.
+    widest = float(np.diff(fields.zone_table, axis=1).max(initial=0.0))
+    places = eps * (np.abs(x) + (widest or fields.problem.units.length))
+    shifted = np.where(np.isfinite(normal[1]), places * np.abs(normal[1]), 0.0)
     return np.asarray(
         error * OPTIONS.of_pressure * size * (1 + np.sqrt(steep))
         + error * local * (OPTIONS.of_pressure + (steep if _singular(fields) else 0.0))
         + rounding * (local + size)
+        + OPTIONS.of_pressure * shifted
     )
 
 

@@ -178,6 +178,7 @@ class _Search:
         support = body.scene.profile.support
         if support is not None:
             return self._cornered(support[0], highest * self.criterion.at_corner)
+        self._refuse_above_bound(body, highest)
         if _is_wedge(body):
             return self._at_any_load(self.add(body.load, body))
         point = self._start(body)
@@ -192,6 +193,16 @@ class _Search:
         if np.isinf(most):
             end = OPTIONS.max_ratio**2 * max(body.load, point[2].load)
         return self._scanned(point, most, end)
+
+    def _refuse_above_bound(self, body: Body, highest: float) -> None:
+        """Raise OutOfRange if no pressure up to `highest` can cause a stress of the strength."""
+        deep = highest if self.criterion.lateral != LATERAL[0] else 0.0
+        most = float(self.criterion.bound(np.array(highest), highest, deep))
+        if self.strength > most:
+            raise OutOfRange(
+                f"no yield: pressures up to {highest:.6g} Pa cause stresses of at most {most:.4g} "
+                "Pa, and these do not reach the strength"
+            )
 
     def _scanned(self, point: Point, most: float, end: float) -> Yield:
         """First yield above the load of `point`, by a scan of loads up to `end`.
@@ -221,6 +232,8 @@ class _Search:
             top = tops.get(best) or self._top(points[best - 1 : best + 2])
             if top[1] >= 0:
                 return self._between(points[best - 1], top)
+        if not ended and np.isinf(bearing_width(top[2].scene)):
+            ended = "; no larger load was tried"
         raise OutOfRange(
             f"no yield: under no load up to {points[-1][2].load:.6g} N/m does the stress reach the "
             f"strength; the largest is {top[3].stress:.4g} Pa, under {top[2].load:.4g} N/m{ended}"

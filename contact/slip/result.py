@@ -174,9 +174,9 @@ class Slip(sie.Kept):
     def dissipated_error(self) -> float | None:
         """Stated bound of the error of `dissipated` [J/m].
 
-        The error of an approach is about error p w / E*, with the largest pressure p. The width w
-        is the period or, without a period, the width from the first to the last zone. The largest
-        such error of the `contacts` counts.
+        The error of an approach is about error p w / E*, with the largest pressure p, plus the
+        round-off of heights. The width w is the period or, without a period, the width from the
+        first to the last zone. The largest such error of the `contacts` counts.
         """
         if self.dissipated is None:
             return None
@@ -300,7 +300,8 @@ def _approach_error(solution: Solution) -> float:
     """Bound of the error of the approach of a solution [m]."""
     zones, period = solution.zones, solution.scene.period
     width = period if period is not None else float(zones[-1, 1] - zones[0, 0])
-    return solution.error * unit_pressure(solution.fields) * width / solution.scene.E_star
+    moved = solution.error * unit_pressure(solution.fields) * width / solution.scene.E_star
+    return moved + solution.certificate.gap_rounding
 
 
 def shear_error(solution: Solution, terms: tuple[Term, ...], friction: float) -> float:

@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import contact
+from contact.formulation.full_contact import lowest
 from contact.reference import exact
 from contact.search.strategies.gaps import GapOptions
+from contact.studies.scene_families import piecewise
 from contact.testing import check_profile
 from tests.contact import reference
 from tests.contact.corners import CorneredZone, FoldedContact, Power, Wave, polygon, rows
@@ -366,3 +368,9 @@ class Repeated:
 
     def __init__(self, solution):
         self.pressure, self.period = solution.pressure, solution.scene.period
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_lowest_place_at_a_tip_is_the_tip(seed):
+    profile = piecewise(np.random.default_rng([44, seed]), 1.0)
+    assert lowest(profile, (float(profile.at[0]), float(profile.at[-1]))) == profile.heights.min()

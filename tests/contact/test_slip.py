@@ -38,6 +38,27 @@ def hertz(x, half):
 X = np.linspace(-1.1, 1.1, 41) * HALF
 
 
+def test_beside_a_tip_the_stress_states_the_rounding_of_the_place():
+    """Where the surfaces stick, the shear causes no strain: s_xx = -p."""
+    solution = solved(contact.Wedge(0.01), load=1e-3)
+    slip = contact.partial_slip(solution, MU, (1 - 1e-5) * MU * solution.load)
+    x = slip.stick_zones[0, 1] * np.linspace(-0.98, 0.98, 50)
+    stress = slip.stress(x, 0.0 * x)
+    assert np.all(np.abs(stress.xx + solution.pressure(x)) <= stress.error)
+    assert stress.error.max() < 1e-7 * solution.pressure(x).min()
+
+
+def test_lost_energy_states_the_rounding_of_heights():
+    """A small contact far from x = 0, on a high slope, and its mirror image."""
+    lost = []
+    for side in (1.0, -1.0):
+        bowl = contact.Polynomial([0.0, -side * 1e-3, 4e-4, 0.0, 1e-5])
+        scene = contact.Scene(bowl, E, ISOLATED, load=1e-12)
+        slip = contact.load_history(scene, MU, [(1e-12, 0.0), (1e-12, side * 1e-13)])[1]
+        lost.append((slip.dissipated, slip.dissipated_error))
+    assert abs(lost[0][0] - lost[1][0]) <= lost[0][1] + lost[1][1]
+
+
 @pytest.mark.parametrize("part", [-0.9, -1e-3, 0.3, 0.75])
 def test_a_cylinder_sticks_in_its_middle(cylinder, part):
     slip = contact.partial_slip(cylinder, MU, part * MU * cylinder.load)

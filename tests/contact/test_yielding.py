@@ -186,7 +186,19 @@ def test_below_the_hardness_first_yield_is_the_elastic_one_and_a_larger_strength
 
 def test_a_strength_above_every_stress_under_a_limit_of_the_pressure_is_said_to_be_out_of_range():
     with pytest.raises(contact.OutOfRange, match=r"the largest is 1.367e\+07 Pa, under 119"):
-        under_a_limit(2.2e7).first_yield(2e7, 0.3)
+        under_a_limit(2.2e7).first_yield(1.6e7, 0.3)
+    # The largest shear is at most H / pi in the plane, and the mean stress at most H.
+    with pytest.raises(contact.OutOfRange, match=r"at most 1.635e\+07 Pa"):
+        under_a_limit(2.2e7).first_yield(1.64e7, 0.3)
+
+
+@pytest.mark.slow
+def test_an_isolated_body_without_a_border_says_that_larger_loads_were_not_tried():
+    scene = contact.Scene(
+        contact.Parabola(1.0), 2.0, contact.Isolated(), law=contact.Plastic(0.9), load=1.5
+    )
+    with pytest.raises(contact.OutOfRange, match="no larger load was tried"):
+        contact.solve(scene, tol=1e-6).first_yield(0.3, 0.3, "tresca")
 
 
 def test_sharp_corners_at_the_hardness_yield_under_any_load():
