@@ -162,7 +162,8 @@ class PlasticLoop:
             else:
                 return Failure(NARROW_RIM, free)
         period = problem.period
-        full = period is not None and bool(np.diff(contacts, axis=1).max(initial=0.0) >= period)
+        closed = period is not None and bool(np.diff(contacts, axis=1).max(initial=0.0) >= period)
+        full = spots.full or closed
         return tidied(Spots(contacts, plateaus, full), problem, rims=False)
 
     def _corrected(self, spots: Spots, found: Checked) -> Spots | None:

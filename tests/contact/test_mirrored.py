@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 import contact
+from contact.studies import random_laws
+from contact.studies.reflected import Reflected
 from contact.studies.trace_kinds import KINDS, drawn
 from tests.tiers import quick
 
@@ -81,3 +83,24 @@ def test_a_trace_and_its_mirror_image_agree(seed):
         return  # rounding may decide whether an error is below the tolerance
     # A closure may have several strips at rest: other zones are no fault.
     assert (difference(*found) or 0.0) <= 1.0
+
+
+LAW_SEEDS = [*range(60000, 60008), 60010, 60012, 60015, 60022, 60025]
+
+
+@pytest.mark.filterwarnings("error", "ignore::contact.ModelWarning")
+@pytest.mark.parametrize("seed", quick(LAW_SEEDS, LAW_SEEDS[:3] + LAW_SEEDS[-4:]))
+def test_a_scene_with_a_law_and_its_images_agree(seed):
+    """The mirror image and, under a limit H of the pressure p, the profile -f: there it is H - p."""
+    drawn = random_laws.draw(seed)
+    solution = contact.solve(drawn.scene, tol=1e-8)
+    assert drawn.fault(solution, 1e-8) == ""
+
+
+def test_another_limit_of_the_pressure_is_noticed():
+    wave = contact.Fourier(1.0, [0.1, 0.05, 0.02], [0.03, -0.04, 0.05])
+    scene = contact.Scene(wave, 1.0, contact.Periodic(), law=contact.Plastic(0.5), load=0.2)
+    image = replace(scene, profile=Reflected(wave, upside_down=True)).under("load", 0.3)
+    one, other = contact.solve(scene, tol=1e-8), contact.solve(image, tol=1e-8)
+    assert random_laws.difference(one, other, 1.0, most=0.5) <= 1.0
+    assert random_laws.difference(one, other, 1.0, most=0.500001) > 1.0

@@ -591,14 +591,14 @@ class _Run:
             else:
                 high = load
             if high < np.inf and high - low <= TOLERANCES.balance * high:
-                capped = bool(state.capped.any())
-                if inf.is_periodic and not capped:
+                limited = np.isfinite(inf.cap)
+                if inf.is_periodic and not limited:
                     raise LevelOfFullGrid(_AS_GOOD_AS_FULL)
-                if capped or slope * load > OPTIONS.first_tolerance * depth:
+                if limited or slope * load > OPTIONS.first_tolerance * depth:
                     # The bracket has closed although the level (displacement plus height in
                     # contact) still rises with the load. So the solutions are too inexact for the
-                    # bracket, as happens for a nearly incompressible layer, or under a cap if the
-                    # points below the cap are few.
+                    # bracket, as happens for a nearly incompressible layer. Under a cap, the level
+                    # jumps if no point in contact is below the cap.
                     return replace(state, converged=False)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure

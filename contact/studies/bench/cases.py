@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from contact.errors import NotConverged
 from contact.model.interactions import Periodic
-from contact.model.laws import JKR, Dugdale, Frictionless, Law
-from contact.model.profiles import Biquadratic, Fourier, Parabola, Profile, Sinusoid, Wedge
+from contact.model.laws import JKR, Dugdale, Frictionless, Law, Plastic
+from contact.model.profiles import Biquadratic, Flat, Fourier, Parabola, Profile, Sinusoid, Wedge
 from contact.model.scene import Scene
 from contact.reference.exact import (
     DugdaleWave,
@@ -28,6 +28,7 @@ from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.studies.bench.formulations import solved_by_gaps, solved_by_zones
 from contact.studies.bench.truth import Exact
+from contact.studies.bench.yielding import YieldingPunches
 
 Array = NDArray[np.float64]
 
@@ -165,6 +166,21 @@ def adhesive(law: JKR | Dugdale) -> Case:
     )
 
 
+def yielding() -> Case:
+    """A case of flat punches that yield on a tenth of their width, beside the corners."""
+    exact = YieldingPunches(half_width=0.3, elastic=0.27, period=1.0, hardness=0.1)
+    return Case(
+        "flat punches, plastic",
+        Flat(0.6, 1.0),
+        1.0,
+        exact.mean_pressure,
+        lambda scene: exact,
+        "closed form",
+        localized=False,
+        law=Plastic(exact.hardness),
+    )
+
+
 def rough_nearly_full() -> Case:
     """A case of a rough profile in nearly full contact.
 
@@ -204,6 +220,7 @@ def suite(quick: bool) -> list[Case]:
         rough(64, 0.002, 16),
         adhesive(JKR(1e-5)),
         adhesive(Dugdale(1e-5, 1e-2)),
+        yielding(),
     ]
     if not quick:
         cases += [rough_nearly_full(), rough(512, 0.005, 135)]
