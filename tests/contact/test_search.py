@@ -4,6 +4,7 @@ iteration counts.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -306,6 +307,33 @@ def test_a_gap_between_two_points_of_the_grid_is_seen(part: float, offset: float
     assert -1.25 * h < zones[0, 1] - at < zones[1, 0] - at < 1.25 * h
     merged = solve_grid(f, influence, load=1.02 * np.pi * E / 8.0)
     assert zones_of(merged, x, between_points=True).shape == (1, 2)
+
+
+@pytest.mark.parametrize("excess", [1e-4, 2e-4, 3e-4])
+@pytest.mark.parametrize("offset", np.arange(8) / 8)
+def test_a_zone_narrower_than_a_cell_is_found_in_its_place(
+    offset: float, excess: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three harmonics just after the second zone was born, at a load near 158,222 N/m."""
+    few = dataclasses.replace(nested_grids.OPTIONS, many_features=0)
+    monkeypatch.setattr(nested_grids, "OPTIONS", few)
+    period, E, load = 1e-4, 1e11, 158222.1 * (1 + excess)
+    tips = contact.Fourier(period, [-1e-6, -0.3e-6, 0.2e-6], [0.1e-6, 0.25e-6, 0.0])
+    zone = contact.solve(contact.Scene(tips, E, contact.Periodic(), load=load)).zones[1]
+    h = period / 256
+    assert 0.2 * h < np.diff(zone)[0] < 0.6 * h
+    left = -0.5 * period + offset * h
+    found = propose(
+        tips.height,
+        (left, left + period),
+        Response(E),
+        load=load,
+        resolution=period / 32,
+        max_points=256,
+    )
+    assert found.points == 256 and len(found.zones) == 2
+    assert abs(found.zones[1].mean() - zone.mean()) < 0.15 * h
+    assert 0.5 < np.diff(found.zones[1])[0] / np.diff(zone)[0] < 2.0
 
 
 def test_such_a_gap_is_seen_wherever_a_period_begins() -> None:

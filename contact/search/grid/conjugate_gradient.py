@@ -223,6 +223,14 @@ def _log_cell(m: Array) -> Array:
     return np.asarray(value, dtype=np.float64)
 
 
+def own_displacement(lag: Array, h: float, E: float) -> Array:
+    """Displacement, `lag` cells from a cell of width h, by a pressure of 1 on this cell alone.
+
+    It is that of a half-plane, up to a constant.
+    """
+    return np.asarray(-2.0 * h / (np.pi * E) * _log_cell(lag))
+
+
 class _Extension:
     """The map B that extends displacements on the contact set to the grid, linearly across gaps.
 

@@ -22,9 +22,9 @@ from contact.formulation.tolerances import TOLERANCES
 from contact.model.plugin_checks.declarations import require_numbers
 from contact.model.profiles.base import Profile
 from contact.model.profiles.noise import EPS
-from contact.search.grid.conjugate_gradient import GridState, Response, solve_grid
+from contact.search.grid.conjugate_gradient import GridState, Response, own_displacement, solve_grid
 from contact.search.options import SEARCH
-from contact.search.topology.intervals import NARROW, without
+from contact.search.topology.intervals import NARROW, half_width_of_new, without
 from contact.verify.minima import SAMPLING
 from sie import Array, record
 
@@ -40,8 +40,9 @@ class NestedGridOptions:
     # about 6 zeros in such a length.
     per_feature: int = 16
     # If the period or window is longer than this many smallest lengths, each length gets only half
-    # as many cells, to save time. About one zone in a hundred is then missed. The first check of
-    # the signs of pressure and gap adds these zones.
+    # as many cells, to save time. About one zone in a hundred then contains no point in contact.
+    # Two thirds of these zones are found between the points, the others by the first check of the
+    # signs of pressure and gap.
     many_features: int = 2**15
 
     @property
@@ -195,6 +196,32 @@ def _gaps_between(x: Array, state: GridState) -> Array:
     return np.column_stack((middle - half, middle + half))
 
 
+def _zones_between(x: Array, state: GridState) -> Array:
+    """Zones (k, 2) between grid points, where a parabola through three gaps is negative.
+
+    The overlap must exceed the error of the parabola. By the third difference of the gap, this
+    error is at most 1/16 of the difference between adjacent second differences.
+    """
+    h, n = state.influence.h, state.influence.n
+    touching = np.flatnonzero(state.contact)
+    gap = np.where(state.contact, np.nan, state.gap)
+    before, after = np.roll(gap, 1), np.roll(gap, -1)
+    if not state.influence.is_periodic:
+        before[0] = after[-1] = np.nan
+    with np.errstate(invalid="ignore", divide="ignore"):
+        bends = before - 2.0 * gap + after
+        change = np.abs(bends - np.roll(bends, 1))
+        slope, error = 0.5 * (after - before), np.fmax(change, np.roll(change, -1)) / 16.0
+        overlap = 0.5 * slope**2 / bends - gap
+        i = np.flatnonzero((gap <= before) & (gap <= after) & (overlap > error))
+    around = np.concatenate((touching[-1:] - n, touching, touching[:1] + n))
+    next_ = np.searchsorted(around, i)
+    distance = np.minimum(around[next_] - i, i - around[next_ - 1])
+    middle = x[i] - h * slope[i] / bends[i]
+    half = h * np.minimum(half_width_of_new(np.sqrt(2.0 * overlap[i] / bends[i]), distance), 0.5)
+    return np.column_stack((middle - half, middle + half))
+
+
 def _to_end(p_end: Array, p_next: Array) -> Array:
     """Distance, in cells, from a zone's outermost point to its end, where p^2 would be zero.
 
@@ -210,19 +237,21 @@ def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> 
     h, n = state.influence.h, state.influence.n
     p = state.pressure[cells]
     load = float(p.sum()) * h
-    centre = float(first + p @ np.arange(len(cells)) / p.sum())
     around = np.arange(cells[0] - 1, cells[0] + len(cells) + 1)
+    lag = np.subtract.outer(np.arange(-1.0, len(cells) + 1), np.arange(len(cells)))
     around = around % n if state.influence.is_periodic else np.clip(around, 0, n - 1)
+    # Without the displacement by the zone's own pressure, the gap is about a parabola. The zone
+    # lies at the vertex of this parabola, which may be a cell away from the points in contact.
+    gap = state.gap[around] - own_displacement(lag, h, E) @ p
     with np.errstate(invalid="ignore"):
-        curvature = float(np.max(np.diff(state.f[around], 2))) / h**2
-    widest = 0.5 * (len(cells) + 1) * h
-    if not (np.isfinite(curvature) and curvature > 0.0):
-        return centre, 0.5 * len(cells) * h
-    half = 2.0 * np.sqrt(load / (np.pi * E * curvature))
-    if half < 0.5 * h and len(cells) == 1:  # the tip is the vertex of a parabola
-        bend = state.f[around]
-        centre += float(np.clip(0.5 * (bend[0] - bend[2]) / (curvature * h**2), -0.5, 0.5))
-    return centre, float(min(half, widest))
+        bend = float(np.max(np.diff(gap, 2)))
+    widest = 0.5 * (len(cells) + 1)
+    if not (np.isfinite(bend) and bend > 0.0):
+        return float(first + p @ np.arange(len(cells)) / p.sum()), 0.5 * len(cells) * h
+    half = 2.0 * np.sqrt(load * h**2 / (np.pi * E * bend))
+    slope = float(gap[-1] - gap[0]) / (len(cells) + 1)
+    vertex = float(np.clip(-slope / bend, -widest, widest))
+    return first + 0.5 * (len(cells) - 1) + vertex, float(min(half, widest * h))
 
 
 @record
@@ -252,12 +281,13 @@ def propose(
     request: fields of `Request`.
     """
     asked = Request(**request)
-    width, tol = cell[1] - cell[0], asked.tol
+    width, tol, is_coarse = cell[1] - cell[0], asked.tol, False
     if asked.points is not None:
         target = limit = int(asked.points)
     else:
         target, limit = points_for(width, asked.resolution, asked.max_points)
-        if _features(width, asked.resolution) > OPTIONS.many_features:
+        is_coarse = _features(width, asked.resolution) > OPTIONS.many_features
+        if is_coarse:
             # A tolerance above `asked.tol` saves time. Wrong zones of the proposal are corrected in
             # the first check of the signs of pressure and gap.
             tol = max(tol, SEARCH.rough)
@@ -282,6 +312,9 @@ def propose(
             break
         n, start = 2 * n, _refine(state.pressure, response.periodic)
     zones = zones_of(state, x, asked.between_points)
+    if is_coarse and state.converged:
+        zones = np.concatenate((zones, _zones_between(x, state)))
+        zones = in_cell(zones, cell[0], width if response.periodic else None)
     return Proposal(zones, n, state.full, state.touches_border, state)
 
 

@@ -11,6 +11,18 @@ from sie import Array, Index
 NEW_ZONE = 0.7
 
 
+def half_width_of_new(overlap: Array, distance: Array) -> Array:
+    """Half widths of new zones where the bodies would overlap over 2 `overlap` without them.
+
+    The gap is a parabola of curvature 1/R and depth overlap^2 / 2R. A Hertz contact of half width
+    a, between two zones at the given distance l, removes the depth a^2 / 2R (ln(4 l / a) + 1/2).
+    """
+    half = 0.5 * overlap
+    for _ in range(3):  # the logarithm hardly depends on `half`
+        half = overlap / np.sqrt(np.log(4.0 * distance / half) + 0.5)
+    return half
+
+
 # An interval is not resolved if it contains fewer samples or grid cells than this.
 NARROW = 3
 
