@@ -152,7 +152,8 @@ class Problem(sie.Kept):
     @cached_property
     def forcing(self) -> sie.Forcing:
         units, profile = self.units, self.profile
-        kinks, jumps = profile.kinks, profile.jumps
+        # A kink whose slope does not jump has no logarithm: 0 times infinity is no number.
+        kinks, jumps = profile.kinks[profile.kinks[:, 1] != 0.0], profile.jumps
         at = np.asarray(units.scaled(np.concatenate((kinks[:, 0], jumps[:, 0]))))
         # A jump of the n-th derivative of the profile is a jump of the (n - 1)-th derivative of the
         # slope.

@@ -13,12 +13,13 @@ import numpy as np
 import sie
 from contact.errors import ContactError, SceneError
 from contact.formulation import tables
-from contact.formulation.controls import Control
+from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
 from contact.model.profiles.noise import EPS
 from contact.plastic.check import Checked, checked
 from contact.plastic.fields import PlasticFields
 from contact.plastic.spots import Spots, changed, joined, tidied
+from contact.search.options import LEAST
 from contact.search.topology.failure import Failure, same
 from contact.search.topology.intervals import NEW_ZONE
 from contact.verify.error import SolvedZones
@@ -112,7 +113,14 @@ class PlasticLoop:
         return self._result(free, fields, check, found.rounds)
 
     def _checked(self, free: sie.Free) -> tuple[PlasticFields, Checked]:
-        fields = PlasticFields(self.problem, free.state, limit=self.limit)
+        state = free.state
+        if self.control.load is None:
+            # The stiffness and the rates of the ends are responses to a change of the load.
+            equation = self.problem.equation(Load(free.density.total))
+            tolerance = max(0.1 * self.tolerance, LEAST)
+            zones = free.density.zones
+            state = sie.solve_zones(equation, zones, tolerance, state.sizes).with_bounded_ends()
+        fields = PlasticFields(self.problem, state, limit=self.limit)
         return fields, checked(fields, self.control.load)
 
     def _result(

@@ -169,9 +169,12 @@ def elastic_intervals(solution: contact.Solution) -> tuple[Array, Array]:
         own = own[(middles > a) & (middles < b)]
         edges = np.array([left, a, *np.sort(own.ravel()), b, right])
         widths = np.diff(edges)
+        support = solution.scene.profile.support or (np.nan, np.nan)
+        apart = np.abs(nearest_image(edges[:, None] - np.array(support), 0.0, period))
+        cornered = (apart <= 8 * np.spacing(np.abs(edges[1:-1]).max())).any(axis=1)
         for i in range(1, len(widths), 2):
             rim = (i == 1) != (i == len(widths) - 2)
-            if widths[i] > 0.0 or solution.scene.profile.support is None:
+            if not (cornered[i] and cornered[i + 1]):
                 rows.append(edges[i : i + 2])
                 beside = min(widths[i - 1], widths[i + 1]) if rim else 0.0
                 lengths.append(max(widths[i], beside))

@@ -204,3 +204,12 @@ def test_a_declared_kink_without_a_jump_leaves_the_pressure_finite():
     assert found.certificate.note == "solved by its gaps"
     pressure = found.pressure([-0.25, -0.25 + 1e-12])
     assert pressure[0] == pytest.approx(pressure[1], rel=1e-9)
+
+
+def test_a_declared_kink_without_a_jump_does_not_matter_in_a_zone():
+    at, heights = np.array([-2.0, -0.5, -0.25, 0.0, 0.5, 2.0]), np.array([1.1, 0.2, 0.1, 0, 0.3, 2])
+    profile = PiecewiseLinear(at, heights)
+    assert profile.kinks[1, 1] == 0.0
+    found = contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), load=0.3))
+    pressure = found.pressure([-0.25, -0.25 + 1e-12])
+    assert found.zones[0, 0] < -0.3 and pressure[0] == pytest.approx(pressure[1], rel=1e-9)

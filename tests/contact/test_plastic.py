@@ -233,6 +233,9 @@ def test_a_given_approach_at_a_small_hardness_is_that_of_the_load_found(profile)
     found = solved(profile, 0.02, approach=0.02, tol=1e-8)
     again = solved(profile, 0.02, load=found.load, tol=1e-8)
     assert again.approach == pytest.approx(0.02, rel=1e-7)
+    more = solved(profile, 0.02, load=found.load * (1 + 1e-5), tol=1e-8)
+    stiffness = (more.load - again.load) / (more.approach - again.approach)
+    assert found.stiffness == pytest.approx(stiffness, rel=1e-4)
 
 
 def test_a_half_width_is_that_of_one_contact_about_the_origin():
