@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis import compiled
 from sie.basis.data import DIGITS, Array, Complex, Index, Kept, Mask, numbered, record
 
 
@@ -193,8 +194,17 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
     """Power series sum_k u[zone, k] rho^k at pairs of a number rho and a zone, by Horner's rule.
     terms: number of terms of each pair's series.
 
-    Pairs are sorted by the number of terms, so that Horner's rule works on a growing block.
+    Without compiled loops, pairs are sorted by the number of terms, so that Horner's rule works on
+    a growing block.
     """
+    starts = np.concatenate(([0], np.cumsum(terms)))
+    loops = compiled.loops("power_series", float(starts[-1]))
+    if loops is not None:
+        values = np.empty(len(rho), dtype=rho.dtype)
+        # A loop is compiled anew for arrays of another kind, such as arrays with steps.
+        arrays = [np.require(array, requirements=("C", "W")) for array in (u, rho, zone, terms)]
+        compiled.in_threads(loops.power_series, starts, *arrays, values)
+        return values
     order, point_rho, row, active = _sorted_pairs(rho, zone, terms)
     out = np.zeros(len(order), dtype=rho.dtype)
     for k in range(len(active) - 1, -1, -1):

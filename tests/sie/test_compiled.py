@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sie
-from sie.basis import compiled
+from sie.basis import compiled, sums
 from sie.dense.system import System
 from sie.fast.zone_sums import ZoneSums
 from sie.jumps.right_side import ForcingJumps
@@ -92,6 +92,20 @@ def test_without_numba_sums_are_left_to_arrays(monkeypatch) -> None:
     monkeypatch.setattr(compiled.lazy, "module", missing)
     assert compiled.loops("tree_sums", np.inf) is None
     compiled._loaded.cache_clear()
+
+
+@pytest.mark.parametrize("turn", [1.0, np.exp(0.7j)])
+def test_power_series_are_those_of_arrays(turn, threads, monkeypatch) -> None:
+    rng = np.random.default_rng(4)
+    u, zone = rng.normal(size=(7, 40)), rng.integers(0, 7, 300)
+    rho, terms = turn * rng.uniform(-1, 1, 300), rng.integers(0, 41, 300)
+    monkeypatch.setattr(compiled, "MIN_TERMS", np.inf)
+    wanted = sums._by_horner(u, rho, zone, terms)
+    monkeypatch.setattr(compiled, "MIN_TERMS", 0)
+    found = sums._by_horner(u, np.repeat(rho, 2)[::2], zone, terms)
+    assert found.dtype == rho.dtype
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-13)
+    assert len(sums._by_horner(u, rho[:0], zone[:0], terms[:0])) == 0
 
 
 def test_densities_of_jumps_are_those_of_arrays(threads, monkeypatch) -> None:
