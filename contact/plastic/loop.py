@@ -19,7 +19,7 @@ from contact.model.profiles.noise import EPS
 from contact.plastic.check import Checked, checked
 from contact.plastic.fields import PlasticFields
 from contact.plastic.spots import Spots, changed, joined, tidied
-from contact.search.options import LEAST
+from contact.search.options import LEAST, SEARCH
 from contact.search.topology.failure import Failure, same
 from contact.search.topology.intervals import NEW_ZONE
 from contact.verify.error import SolvedZones
@@ -58,6 +58,13 @@ class PlasticLoop:
     control: Control
     limit: float
     tolerance: float
+
+    @property
+    def decay(self) -> float:
+        """Truncation tolerance of the coefficients of each elastic zone, relative to the largest.
+        The error of truncated coefficients is magnified beside narrow plateaus and gaps.
+        """
+        return max(SEARCH.tight_factor**2 * self.tolerance, LEAST)
 
     def solved(self, spots: Spots) -> SolvedZones | Failure:
         """The contact found from a first guess `spots` of contacts and plateaus, or a Failure."""
@@ -117,9 +124,8 @@ class PlasticLoop:
         if self.control.load is None:
             # The stiffness and the rates of the ends are responses to a change of the load.
             equation = self.problem.equation(Load(free.density.total))
-            tolerance = max(0.1 * self.tolerance, LEAST)
             zones = free.density.zones
-            state = sie.solve_zones(equation, zones, tolerance, state.sizes).with_bounded_ends()
+            state = sie.solve_zones(equation, zones, self.decay, state.sizes).with_bounded_ends()
         fields = PlasticFields(self.problem, state, limit=self.limit)
         return fields, checked(fields, self.control.load)
 
@@ -132,7 +138,9 @@ class PlasticLoop:
         """The elastic zones with ends found by Newton's method; signs are not checked."""
         problem = self.problem
         try:
-            options = sie.NewtonOptions(limits=problem.corners, released_end=problem.end)
+            options = sie.NewtonOptions(
+                limits=problem.corners, released_end=problem.end, decay=self.decay
+            )
             return sie.find_ends(
                 problem.equation(self.control), zones, self.tolerance, options, start
             )

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sie.basis import chebyshev
 from sie.basis.data import Array, Index, legendre
 from sie.basis.interval import sides
 from sie.basis.sums import OPTIONS as SUMS
@@ -43,9 +44,7 @@ def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
 
     The indices are ascending. If the zones are symmetric, only those of the right half are listed.
     """
-    if len(forcing.jumps) == 0 or zones.have_values:
-        # If the density has given values at ends (`have_values`), the right side gains logarithms.
-        # The integrals between jumps omit them.
+    if len(forcing.jumps) == 0:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
     count[list(jumps.splines)] += OPTIONS.min_jumps
@@ -91,3 +90,26 @@ def coefficients(
     return out, np.add.reduceat(
         np.asarray(forcing.primitive(x), dtype=float) * weights, first[:-1]
     ) / np.pi
+
+
+def of_logarithms(
+    zones: Zones, jumps: ForcingJumps, chosen: Index, counts: Index
+) -> tuple[Array, Array]:
+    """(coefficients of the logarithms of plateaus, mean of their primitive) on the zones `chosen`.
+
+    The coefficients at [:, k], k up to the zone's entry of `counts`, are those of the smooth part
+    on the zone. Logarithms close to a zone have a density in closed form. The means include them.
+    """
+    out = np.zeros((len(chosen), int(counts.max()) + 1))
+    if jumps.logarithms is None:
+        return out, np.zeros(len(chosen))
+    for count in np.unique(counts):
+        row = np.flatnonzero(counts == count)
+        left = chebyshev.lobatto(int(count))[2][1:-1]
+        at = np.repeat(chosen[row], count), np.tile(left, len(row))
+        values = jumps.logarithms.on_zones(*at).reshape(len(row), -1)
+        out[row, 1 : count + 1] = chebyshev.u_coefficients(values)
+    ends = jumps.primitive_left_out(np.array([zones.a[chosen], zones.b[chosen]]))
+    even = out[:, 2::2] @ (0.5 / np.arange(1.0, 1 + out[:, 2::2].shape[1]))
+    closed = jumps.near.mean_offsets(len(zones))[chosen]
+    return out, 0.5 * ends.sum(axis=0) + zones.half[chosen] * (closed - even)

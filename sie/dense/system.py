@@ -26,7 +26,7 @@ from sie.basis.weight import needs_half
 from sie.basis.zones import Zones
 from sie.dense.modes import OPTIONS
 from sie.dense.spline_moments import coefficients as coefficients_between
-from sie.dense.spline_moments import many_jumps
+from sie.dense.spline_moments import many_jumps, of_logarithms
 from sie.density.series import moments_of
 from sie.equation.conditions import Linear, Rows, asked, speaks_of_levels
 from sie.equation.equation import Equation
@@ -280,12 +280,22 @@ class System(Rows):
         zones, chosen = self.zones, self.by_moments
         both = np.union1d(chosen, len(zones) - 1 - chosen) if zones.symmetric else chosen
         within = np.arange(self.known.shape[1]) <= m[both, None]
-        self.taken[both] = np.where(within, self.known[both], 0.0)
+        taken = self.known[both]
+        if self.equation.forcing.value_jumps:
+            # The logarithms of plateaus are no part of g. Their closed forms stay known.
+            taken = taken - self.jumps.near_coefficients(zones, taken.shape[1])[both]
+        self.taken[both] = np.where(within, taken, 0.0)
         self.known = self.known - self.taken
         if self.equation.forcing.value_jumps:
-            of_g, self.moment_means = coefficients_between(
-                self.equation.forcing, zones, self.jumps, chosen, m
+            of_g, means = coefficients_between(self.equation.forcing, zones, self.jumps, chosen, m)
+            # The logarithms need as many nodes as the smooth part of g has coefficients.
+            nodes = np.max((self.g[chosen] != 0.0) * np.arange(self.g.shape[1]), axis=1)
+            logs, means_of_logs = of_logarithms(
+                zones, self.jumps, chosen, np.maximum(nodes, OPTIONS.first_nodes)
             )
+            count = max(of_g.shape[1], logs.shape[1])
+            of_g = widened(of_g, count) + widened(logs, count)
+            self.moment_means = means + means_of_logs
         else:
             # If the density has the jumps, g has logarithms there, and `coefficients_between` would
             # gain nothing. The lowest coefficients of g are then those of the smooth part of g,

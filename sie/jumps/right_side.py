@@ -429,26 +429,34 @@ class ForcingJumps(PlacedJumps):
         out = self.coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
         for zone, spline in self.splines.items():
             out[zone] += spline.t_coefficients(count)
+        return out + self._other_coefficients(zones, count)
+
+    def _other_coefficients(self, zones: Zones, count: int) -> Array:
+        """The part of `t_coefficients` that nearby logarithms and poles cause."""
+        out = self.near_coefficients(zones, count)
+        if len(self.poles):
+            out += of_sines(self.poles.sine_coefficients(len(zones), count + 1))[:, :count]
+        return out
+
+    def near_coefficients(self, zones: Zones, count: int) -> Array:
+        """The part of `t_coefficients` that the logarithms outside but close to zones cause."""
+        out = np.zeros((len(zones), count))
         if len(self.near):
             np.add.at(
                 out, self.near.zone, of_sines(self.near.sine_coefficients(count + 1))[:, :count]
             )
-        if len(self.poles):
-            out += of_sines(self.poles.sine_coefficients(len(zones), count + 1))[:, :count]
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
         """Coefficients of T_l / sqrt(1 - t^2) in the closed-form density, in one row per zone.
         counts: the number of coefficients of each zone (Z,). Later coefficients are zero.
         """
-        if len(self.near) or len(self.poles):
-            count = int(counts.max(initial=0))
-            return np.where(
-                np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0
-            )
         out = self._coefficients(counts)
         for zone, spline in self.splines.items():
             out[zone, : counts[zone]] += spline.t_coefficients(int(counts[zone]))
+        if len(self.near) or len(self.poles):
+            others = self._other_coefficients(zones, out.shape[1])
+            out += np.where(np.arange(out.shape[1]) < counts[:, None], others, 0.0)
         return out
 
     def _coefficients(self, counts: Index) -> Array:

@@ -105,6 +105,42 @@ def test_the_density_is_the_one_that_truncated_powers_give(kernel, monkeypatch):
     assert np.ptp(state.levels) < 1e-15
 
 
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(2.2)], ids=["line", "period"])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_the_density_beside_a_plateau_is_the_one_that_truncated_powers_give(
+    kernel, mirrored, monkeypatch
+):
+    """The logarithms of a plateau are no part of the right side, and count beside its integrals."""
+    spline, forcing = rough(100)
+    zones, value = np.array([[-0.83, -0.1], [0.01, 0.7]]), sie.free_with_value(0.3)
+    if mirrored:
+        zones = np.array([[-0.83, -0.1], [0.1, 0.83]])
+        forcing = sie.Forcing(
+            lambda x: spline(x, 1) - spline(-x, 1),
+            lambda x: spline(x) + spline(-x),
+            sie.Jumps(*_mirrored(forcing.jumps), orders=2),
+        )
+    zones = sie.Zones.of(zones, [sie.FREE, value], [value, sie.FREE], mirrored)
+    equation = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())[: 2 - mirrored])
+    state = sie.solve_fixed(equation, zones)
+    monkeypatch.setattr(module, "OPTIONS", module.MomentOptions(min_jumps=10**6))
+    plain = sie.solve_fixed(equation, zones)
+    assert len(state.system.by_moments) == 2 - mirrored and len(plain.system.by_moments) == 0
+    t = np.linspace(-0.98, 0.98, 41)
+    for zone in (0, 1):
+        expected = plain.density.at_t(zone, t)
+        assert state.density.at_t(zone, t) == pytest.approx(expected, abs=1e-9)
+        assert np.abs(expected).max() > 0.1
+    assert np.ptp(state.levels) < 1e-14
+
+
+def _mirrored(jumps):
+    """Positions and heights of the jumps of g(x) - g(-x), for g with `jumps` of order 2."""
+    at = np.concatenate((jumps.at, -jumps.at))
+    order = np.argsort(at)
+    return at[order], np.concatenate((jumps.heights, jumps.heights))[order]
+
+
 def test_levels_lose_their_digits_to_truncated_powers(monkeypatch):
     """The comparison above can fail: means from the powers are a hundred times as rough, and more
     with more knots.
