@@ -274,7 +274,10 @@ class _Search:
         point, step = self.add(body.load, body), float(np.log(OPTIONS.max_ratio))
         least = point[0] + np.log(OPTIONS.least_ratio)
         while point[2].max_pressure > half and point[0] > least:
-            point = self.solve(point[0] - step)
+            new = self._trial(point[0] - step)
+            if new is None:
+                break
+            point = new
         most = np.log(half * bearing_width(body.scene))
         while point[1] < 0 and point[2].max_pressure <= half and point[0] + step < most:
             new = self._trial(point[0] + step)
@@ -285,10 +288,12 @@ class _Search:
         return point
 
     def _trial(self, level: float) -> Point | None:
-        """The contact under a load; None if there is none, or none is found."""
+        """The contact under a load; None if there is none, or none is found.
+        Under very small loads, the round-off of heights may refuse the scene (SceneError).
+        """
         try:
             return self.solve(level)
-        except (NotConverged, OutOfRange):
+        except (NotConverged, OutOfRange, SceneError):
             return None
 
     def _top(self, points: list[Point]) -> Point:

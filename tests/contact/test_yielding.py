@@ -1,11 +1,14 @@
 """First yield: Hertz's contact, the largest stress of rough contact, corners, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
 import contact
 from contact.inside.largest import Criterion, largest
+from contact.studies import random_scenes
 from tests.tiers import quick
 
 ISOLATED, PERIODIC = contact.Isolated(), contact.Periodic()
@@ -246,3 +249,10 @@ def test_the_largest_stress_of_a_flat_punch_at_its_limit_is_that_beside_the_corn
     found = largest(punch, Criterion("tresca", 0.3, "as loaded"))
     assert found.stress == pytest.approx(2.4e7 / np.pi, rel=1e-7)
     assert abs(found.x) == 2e-5
+
+
+def test_first_yield_of_a_tip_under_a_limit_is_found_where_heights_are_rounded_under_smaller_loads():
+    law = contact.Plastic(237.3)
+    scene = replace(random_scenes.draw(51030).scene, law=law).under("load", 5.767e-8)
+    found = contact.solve(scene).first_yield(0.4 * 237.3, 0.3)
+    assert found.load == 0.0 and "any load" in found.note
