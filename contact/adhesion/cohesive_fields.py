@@ -98,6 +98,11 @@ class CohesiveFields(ZoneFields):
             1 - self.tension.lacks(zone % (last + 1), last, 1 + t, 1 - t)
         )
 
+    @property
+    def pressure_bound(self) -> float:
+        """Upper bound of the pressure [Pa], from samples."""
+        return float(self._sampled[0].max() * self.problem.units.pressure - self._pull)
+
     @cached_property
     def max_pressure(self) -> float:
         return float(super().max_pressure - self._pull)

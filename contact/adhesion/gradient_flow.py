@@ -21,6 +21,8 @@ exceeds the largest growth rate. The steps are the same for both kinds of law. T
 cohesive zone (contact.adhesion.cohesive_flow) differs in how its intervals change.
 """
 
+import math
+
 import numpy as np
 
 from contact.adhesion.curve import ACCURACY, Closed, Curve, State
@@ -325,15 +327,34 @@ def _damped_step(here: State, sign: float, limit: Array) -> Array:
     """
     # An end whose residual has the sign opposite to `sign` does not move in this step.
     free = sign * here.residual > -ACCURACY.coarse
-    weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
-    growth = max(here.growth_of(np.flatnonzero(free)), -above)
+    weight, rates, least = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
+    growth = max(here.growth_of(np.flatnonzero(free)), -least)
+
+    def moved(above: float) -> Array:
+        damping = np.diag((growth + above) * weight)
+        return np.asarray(np.linalg.solve(damping - rates, here.residual[free]))
+
+    def is_allowed(moves: Array) -> bool:
+        return bool(np.all(np.abs(moves) <= limit[free]))
+
+    # mu is growth + above. The number `above` is bracketed, then the bracket's ratio is reduced to
+    # 1.1: with more damping the steps are shorter, and more of them are needed.
+    above, factor = least, 16.0
+    moves = moved(above)
+    while not is_allowed(moves) and above <= 1e9:
+        above *= factor
+        moves = moved(above)
+    low = above / factor
+    while low >= least and above > 1.1 * low:
+        middle = math.sqrt(low * above)
+        trial = moved(middle)
+        if is_allowed(trial):
+            above, moves = middle, trial
+        else:
+            low = middle
     step = np.zeros_like(here.residual)
-    while True:
-        moved = np.linalg.solve(np.diag((growth + above) * weight) - rates, here.residual[free])
-        if np.all(np.abs(moved) <= limit[free]) or above > 1e9:
-            step[free] = np.where(sign * moved < 0, 0.0, moved)
-            return step
-        above *= 2.0
+    step[free] = np.where(sign * moves < 0, 0.0, moves)
+    return step
 
 
 def overshoots(here: State, ahead: State, step: Array, sign: float) -> Mask:

@@ -194,8 +194,9 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
     """Power series sum_k u[zone, k] rho^k at pairs of a number rho and a zone, by Horner's rule.
     terms: number of terms of each pair's series.
 
-    Without compiled loops, pairs are sorted by the number of terms, so that Horner's rule works on
-    a growing block.
+    Without compiled loops, few zones are summed one after the other, if this takes fewer NumPy
+    calls (see `_one_series`). Otherwise the pairs are sorted by the number of terms, so that
+    Horner's rule works on a growing block.
     """
     starts = np.concatenate(([0], np.cumsum(terms)))
     loops = compiled.loops("power_series", float(starts[-1]))
@@ -205,6 +206,13 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
         arrays = [np.require(array, requirements=("C", "W")) for array in (u, rho, zone, terms)]
         compiled.in_threads(loops.power_series, starts, *arrays, values)
         return values
+    if 2 * len(u) < np.sqrt(terms.max(initial=0)):
+        result = np.zeros(len(rho), dtype=rho.dtype)
+        for i, places in Grouped.by(zone).places().items():
+            for block in pair_blocks(len(places), int(np.sqrt(u.shape[1]))):
+                some = places[block]
+                result[some] = _one_series(u[i, : terms[some].max()], rho[some])
+        return result
     order, point_rho, row, active = _sorted_pairs(rho, zone, terms)
     out = np.zeros(len(order), dtype=rho.dtype)
     for k in range(len(active) - 1, -1, -1):
@@ -213,6 +221,25 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
     result = np.empty(len(order), dtype=rho.dtype)
     result[order] = out
     return result
+
+
+def _one_series(c: Array, rho: NDArray[Any]) -> NDArray[Any]:
+    """Power series sum_k c[k] rho^k at each rho (n,).
+
+    The index k is written as m a + b. The sums over b are a product with the matrix of rho^b, and
+    Horner's rule in rho^m adds them up. So far fewer NumPy calls than terms are needed.
+    """
+    m = 2 ** round(0.5 * np.log2(max(len(c), 1)))
+    rows = np.zeros((max(1, -(-len(c) // m)), m))
+    rows.ravel()[: len(c)] = c
+    powers = np.empty((len(rho), m), dtype=rho.dtype)
+    powers[:, 0], powers[:, 1:] = 1.0, rho[:, None]
+    powers = np.cumprod(powers, axis=1)
+    sums = (powers @ rows.T).T
+    rho_to_m, out = powers[:, -1] * rho, sums[-1]
+    for row in sums[-2::-1]:
+        out = out * rho_to_m + row
+    return np.asarray(out)
 
 
 def _sorted_pairs(

@@ -343,7 +343,9 @@ class _Search:
         """The next Newton step; None if the prescribed intensities do not determine the ends."""
         opened, response = self.equation.open_condition, self.value_response
         if opened is not None and (
-            response is None or _moved_part(state, response) > ERRORS.negligible
+            response is None
+            or not state.iterated
+            or _moved_part(state, response) > ERRORS.negligible
         ):
             # The response is the density per unit change of the open condition's value. Its
             # relative error changes the Newton step by the same relative amount, which the next

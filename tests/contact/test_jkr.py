@@ -339,7 +339,9 @@ class Stiff:
 def test_an_end_that_is_at_rest_does_not_hold_up_one_that_runs():
     curve = Stiff()
     rest = gradient_flow.receded(curve, curve.start, 0.0)
-    assert rest.table[1, 0] - 1.0 == pytest.approx((0.5 + np.sqrt(0.25 + 0.64)) / 16, rel=1e-6)
+    allowed = gradient_flow.ACCURACY.resting_step  # times the width of 1
+    moved = rest.table[1, 0] - 1.0
+    assert moved == pytest.approx((0.5 + np.sqrt(0.25 + 0.64)) / 16, abs=allowed)
     assert np.abs(rest.residual).max() < 1e-4 and rest.growth < 0.0
 
 

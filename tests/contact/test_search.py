@@ -423,13 +423,11 @@ def test_on_a_flat_below_needles_ends_move_by_more_than_a_cell_in_a_linear_solve
 def test_where_the_width_jumps_with_the_load_the_nearest_of_the_fine_grids_is_proposed(
     seed: int, fraction: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    fine: list[nested_grids.Proposal] = []
+    tried: list[nested_grids.Proposal] = []
 
     def kept(*arguments: Any, **options: Any) -> nested_grids.Proposal:
-        found = proposed(*arguments, **options)
-        if arguments[2] is None:  # as many points as the profile asks for
-            fine.append(found)
-        return found
+        tried.append(proposed(*arguments, **options))
+        return tried[-1]
 
     proposed = proposals.proposed
     monkeypatch.setattr(proposals, "proposed", kept)
@@ -440,7 +438,9 @@ def test_where_the_width_jumps_with_the_load_the_nearest_of_the_fine_grids_is_pr
     scaled = scaled_scene(scene, single=False)
     found = proposals.of_width(scaled, scaled.control.value)
     assert profile.period is not None
-    fractions = np.array([each.width for each in (found, *fine)]) / profile.period
+    finest = [each for each in tried if each.points == found.points]
+    assert found.points == max(each.points for each in tried)
+    fractions = np.array([each.width for each in (found, *finest)]) / profile.period
     misses = np.abs(np.log(fractions / (1.0 - fractions)) - np.log(fraction / (1.0 - fraction)))
     assert misses[0] == misses[1:].min()
 

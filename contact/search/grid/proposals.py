@@ -102,11 +102,16 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
     while 2 * points < finest:
         points *= 2
         load, rate, found = _corrected(scaled, width, (load, rate, found), points)
-    return _corrected(scaled, width, (load, rate, found), None)[2]
+    finest = max(points, finest)
+    return _corrected(scaled, width, (load, rate, found), finest, is_last=True)[2]
 
 
 def _corrected(
-    scaled: ScaledScene, width: float, start: tuple[float, float, Proposal], points: int | None
+    scaled: ScaledScene,
+    width: float,
+    start: tuple[float, float, Proposal],
+    points: int,
+    is_last: bool = False,
 ) -> tuple[float, float, Proposal]:
     """A scaled load, corrected on a grid so that the zones have a given total width.
 
@@ -129,7 +134,7 @@ def _corrected(
         before = (load, error)
         load *= math.exp(min(max(-error / rate, -0.5), 0.5))
         allowed = SEARCH.missing_zones
-        if points is None:
+        if is_last:
             allowed = min(allowed / max(len(found.zones), 1), SEARCH.grid_error)
         if abs(error) < allowed:
             break
