@@ -349,7 +349,9 @@ class _Search:
         ):
             # The response is the density per unit change of the open condition's value. Its
             # relative error changes the Newton step by the same relative amount, which the next
-            # step corrects. So the square root of the solution's tolerance is accurate enough.
+            # step corrects. So the square root of the solution's tolerance is accurate enough, and
+            # an iterative solution keeps its response while the ends hardly move. With LU factors a
+            # new response costs little.
             tolerance = float(np.sqrt(self.sizes.linear))
             self.value_response = state.response(state.values(opened), tolerance)
         motion = newton_step(state, self.zones, self.options, self.value_response, self.last)

@@ -86,8 +86,9 @@ def of_width(scaled: ScaledScene, width: float) -> Proposal:
     """Zones from a grid, under a load at which their scaled total width is about `width`.
 
     The load is bracketed on a grid that just resolves the width. Each of the finer nested grids
-    corrects the load. The finest grid then removes a small error only. Without the finest grid a
-    rough contact of more than 30 zones takes two to four times as long.
+    corrects the load. The finest grid, which just resolves the profile, then removes a small error
+    only. Zones that this grid does not resolve are found by the check of signs. Without the finest
+    grid a rough contact of more than 30 zones takes two to four times as long.
     """
     grids, period = nested_grids.OPTIONS, scaled.problem.repeat_length
     least = grids.coarsest * period / min(width, period - width)
@@ -116,7 +117,8 @@ def _corrected(
     """A scaled load, corrected on a grid so that the zones have a given total width.
 
     start: a load, the rate of the width's error with the logarithm of the load, and the zones of a
-    coarser grid. Returns these three for a grid of `points` points (None: the finest grid).
+    coarser grid. is_last: whether the grid, of `points` points, is the finest one. There the
+    allowed error of the width is smaller. Returns these three for this grid.
     """
     (load, rate, near), before = start, (math.nan, math.nan)
     tried: list[tuple[float, Proposal]] = []
