@@ -3,10 +3,10 @@
     python -m contact.studies.random_laws FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
 
 Profiles and controls are those of `random_scenes`, and so are the outcomes; bodies are isolated or
-periodic half-planes. Each solution is compared with the solution of another scene that follows from it: the mirror image, in which body 2
-slides in the other direction. Under a limit H of the pressure p, a periodic contact is compared with
-the contact of the profile -f: its pressure is H - p. A difference above the sum of both stated errors
-is a fault.
+periodic half-planes. Each solution is compared with that of the mirror image, in which body 2
+slides in the other direction. Under a limit H of the pressure p, a periodic contact is also
+compared with the contact of the profile -f: its pressure is H - p. A difference above the sum of
+both stated errors is a fault.
 """
 
 from __future__ import annotations
