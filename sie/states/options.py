@@ -11,8 +11,7 @@ class ErrorOptions:
 
     # Ratio of the largest to the root mean square of some hundred rounding errors.
     safety: float = 4.0
-    # An error below this fraction of another error is negligible. The changes of a solution by
-    # random errors of the equations are computed to this relative tolerance.
+    # An error below this fraction of another error is negligible.
     negligible: float = 1e-2
     # Number of samples of random errors. With four samples, the estimate is below a quarter of the
     # true error in one of a hundred cases.

@@ -20,6 +20,10 @@ from sie.equation.equation import Forcing
 from sie.states.base import Solved
 from sie.states.options import OPTIONS
 
+# Relative tolerance of an iterative solution for one sample of random errors. Samples differ from
+# one another by more than this.
+SAMPLE_TOLERANCE = 0.1
+
 
 def intensity_rounding(state: Solved) -> Array:
     """Round-off of the intensity K at the left and right end of each zone, (2, Z).
@@ -205,7 +209,7 @@ def _iterated_changes(state: Solved, missing: Array, low: Array) -> list[Array]:
         some, of_low = _low_rows(state, low)
         rows[some] += of_low
         right = rows * chance.choice([-1.0, 1.0], len(rows))
-        changes.append(symmetry.unfold(iteration(right, None, OPTIONS.negligible)))
+        changes.append(symmetry.unfold(iteration(right, None, SAMPLE_TOLERANCE)))
     iteration.error, iteration.random_changes = stated, (asked, changes)
     return changes
 
