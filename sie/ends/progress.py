@@ -17,12 +17,14 @@ class Step:
     """Record of one Newton step in the search for the ends of the zones.
 
     zones: table of the ends before the step. move: largest move of an end, relative to the width of
-    the end's zone. value: value of the open condition, if the equation has one.
+    the end's zone. value: value of the open condition, if the equation has one. median_move: median
+    over the zones of the larger relative move of a zone's two ends.
     """
 
     zones: Array
     move: float
     value: float | None
+    median_move: float = 0.0
 
 
 @record
@@ -88,8 +90,8 @@ class Progress:
         The move is the largest one of all ends, relative to the width of the end's zone.
         """
         last = self.trace[-1].move if self.trace else 1.0
-        # `most` is the largest relative move of an end. The zones whose ends move most are left out,
-        # a fraction `unresolved_fraction` of all zones, because they may vanish.
+        # `most` is the largest relative move of an end. The zones whose ends move most, a fraction
+        # `unresolved_fraction` of all zones, are left out, because they may vanish.
         last = self.most if self.options.unresolved_fraction else min(last, self.initial_error)
         return self.options.forcing * last**3
 
@@ -118,7 +120,8 @@ class Progress:
         width, delta, options = scales, np.abs(motion.delta), self.options
         relative = delta / width
         move = float(relative.max(initial=0.0))
-        self.trace.append(Step(zones.table, move, value if opened else None))
+        median = float(np.median(relative.max(axis=0))) if relative.size else 0.0
+        self.trace.append(Step(zones.table, move, value if opened else None, median))
         fraction = options.unresolved_fraction
         if fraction:
             self.most = min(float(np.quantile(relative.max(axis=0), 1.0 - fraction)), 1.0)
@@ -205,11 +208,12 @@ class Progress:
     def is_close(self) -> bool:
         """Whether the last step is so small that the zones are close to a solution.
 
+        The median over the zones counts: a few new or narrow zones take many steps from any guess.
         A step below the tolerance of the first linear solution also counts: it may only correct the
         error of that solution.
         """
-        before = 1.0 if len(self.trace) == 1 else self.trace[-2].move
-        return self.trace[-1].move <= max(
+        before = 1.0 if len(self.trace) == 1 else self.trace[-2].median_move
+        return self.trace[-1].median_move <= max(
             self.options.close_step * before, self.options.first_solution
         )
 

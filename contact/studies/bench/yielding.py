@@ -5,8 +5,8 @@ is the hardness H from there to the corners. With u = pi x / L, A = pi a / L and
 
     p = H (1 - (2/pi) arctan(tan(B) sqrt(sin^2 C - sin^2 u) / cos u)),   sin B = cos A / cos C,
 
-and the mean pressure is (2/pi) H arccos(cos A / cos C). For L -> infinity this is the arcsine of the
-elastic pressure, p = (2/pi) H arcsin(pi p_elastic / (2 H)).
+and the mean pressure is (2/pi) H arccos(cos A / cos C). For L -> infinity, p follows from the
+elastic pressure: p = (2/pi) H arcsin(pi p_elastic / (2 H)).
 """
 
 from __future__ import annotations
