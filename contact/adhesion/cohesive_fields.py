@@ -1,5 +1,6 @@
 """Fields of a contact under a cohesive law in SI units, from q: pressure plus tension."""
 
+import math
 from functools import cached_property
 
 import numpy as np
@@ -101,6 +102,8 @@ class CohesiveFields(ZoneFields):
     @property
     def pressure_bound(self) -> float:
         """Upper bound of the pressure [Pa], from samples."""
+        if self._is_infinite:
+            return math.inf
         return float(self._sampled[0].max() * self.problem.units.pressure - self._pull)
 
     @cached_property

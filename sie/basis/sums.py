@@ -198,9 +198,9 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
     calls (see `_one_series`). Otherwise the pairs are sorted by the number of terms, so that
     Horner's rule works on a growing block.
     """
-    starts = np.concatenate(([0], np.cumsum(terms)))
-    loops = compiled.loops("power_series", float(starts[-1]))
+    loops = compiled.loops("power_series", float(terms.sum()))
     if loops is not None:
+        starts = np.concatenate(([0], np.cumsum(terms)))
         values = np.empty(len(rho), dtype=rho.dtype)
         # A loop is compiled anew for arrays of another kind, such as arrays with steps.
         arrays = [np.require(array, requirements=("C", "W")) for array in (u, rho, zone, terms)]

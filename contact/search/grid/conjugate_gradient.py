@@ -151,6 +151,11 @@ class Influence:
         """Displacement up to a constant, to 1e-6 of its largest value; of all padded points."""
         return _SinglePrecision(self._compliance, self.size)
 
+    @cached_property
+    def stiffly(self) -> _SinglePrecision:
+        """The pressure D u for a displacement u of all padded points, in single precision."""
+        return _SinglePrecision(self.stiffness, self.size)
+
     @property
     def size(self) -> int:
         """Length of the FFT: n on a period; 2 n for a single body, padded with zeros."""
@@ -266,7 +271,7 @@ class _Extension:
 
     def __init__(self, influence: Influence, inside: Index) -> None:
         self.size = influence.size
-        self.stiffness = _SinglePrecision(influence.stiffness, self.size)
+        self.stiffness = influence.stiffly
         self.starts = inside - inside[0]
         self.lengths = np.diff(self.starts, append=self.size)
         # Indices of the next and of the previous point in contact. Every iteration needs them, and
@@ -415,6 +420,9 @@ class _Run:
         r -= r.mean()
         z = extension.precondition(r)
         direction, rz = z.copy(), _dot(r, z)
+        # A rough solution needs no more digits of the response than of the residual.
+        is_rough = tol >= OPTIONS.fine_tolerance
+        apply = self.influence.roughly if is_rough else self.influence.apply
         converged, steps = False, 0
         best, since = np.inf, 0
         while True:
@@ -428,9 +436,7 @@ class _Run:
             self.iterations += 1
             steps += 1
             full[inside] = direction
-            # A rough solution needs no more digits of the response than of the residual.
-            is_rough = tol >= OPTIONS.fine_tolerance
-            response = (self.influence.roughly if is_rough else self.influence.apply)(full)[inside]
+            response = apply(full)[inside]
             curvature = _dot(direction, response)
             if not curvature > 0.0:
                 break

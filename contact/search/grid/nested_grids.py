@@ -24,7 +24,12 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.noise import EPS
 from contact.search.grid.conjugate_gradient import GridState, Response, own_displacement, solve_grid
 from contact.search.options import SEARCH
-from contact.search.topology.intervals import NARROW, half_width_of_new, without
+from contact.search.topology.intervals import (
+    NARROW,
+    distance_to_nearest,
+    half_width_of_new,
+    without,
+)
 from contact.verify.minima import SAMPLING
 from sie import Array, record
 
@@ -215,8 +220,7 @@ def _zones_between(x: Array, state: GridState) -> Array:
         overlap = 0.5 * slope**2 / bends - gap
         i = np.flatnonzero((gap <= before) & (gap <= after) & (overlap > error))
     around = np.concatenate((touching[-1:] - n, touching, touching[:1] + n))
-    next_ = np.searchsorted(around, i)
-    distance = np.minimum(around[next_] - i, i - around[next_ - 1])
+    distance = distance_to_nearest(around, i)
     middle = x[i] - h * slope[i] / bends[i]
     half = h * np.minimum(half_width_of_new(np.sqrt(2.0 * overlap[i] / bends[i]), distance), 0.5)
     return np.column_stack((middle - half, middle + half))

@@ -23,6 +23,12 @@ def half_width_of_new(overlap: Array, distance: Array) -> Array:
     return half
 
 
+def distance_to_nearest(marks: Array | Index, x: Array | Index) -> Array:
+    """Distance of each x from the nearest of the ascending `marks`, which are at least two."""
+    after = np.clip(np.searchsorted(marks, x), 1, len(marks) - 1)
+    return np.asarray(np.minimum(np.abs(marks[after] - x), np.abs(x - marks[after - 1])), float)
+
+
 # An interval is not resolved if it contains fewer samples or grid cells than this.
 NARROW = 3
 

@@ -17,7 +17,12 @@ from contact.formulation.tolerances import TOLERANCES
 from contact.model.units import quantity
 from contact.search.options import SEARCH
 from contact.search.topology.failure import EXACT, WrongTopology
-from contact.search.topology.intervals import half_width_of_new, united, without
+from contact.search.topology.intervals import (
+    distance_to_nearest,
+    half_width_of_new,
+    united,
+    without,
+)
 from contact.search.topology.loop import NewtonSettings, Round, end_errors
 from contact.verify.certificate import Certificate, Solved, certify
 from contact.verify.error import SolvedZones, too_thin
@@ -153,9 +158,7 @@ class PressureForm:
         ends = zones.table.ravel()
         if self.problem.period is not None:
             ends = np.append(ends, zones.a[0] + self.problem.period)
-        next_ = np.clip(np.searchsorted(ends, middle), 1, len(ends) - 1)
-        distance = np.minimum(np.abs(ends[next_] - middle), np.abs(middle - ends[next_ - 1]))
-        half = half_width_of_new(0.5 * width, distance)
+        half = half_width_of_new(0.5 * width, distance_to_nearest(ends, middle))
         narrow = SEARCH.doubtful_part * width
         # A new zone at a corner has one pinned end, and may be much narrower than the overlap. So
         # it begins narrow, and Newton's method moves its free end away from the corner.
