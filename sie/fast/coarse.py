@@ -47,7 +47,7 @@ class CoarseOperator:
             ).max()
         )
         self.springs = system.springs
-        self.inverse = Inverse(self.entries, 0, len(solved), _OPTIONS.tolerance)
+        self.inverse = Inverse(self.entries, len(solved), _OPTIONS.tolerance)
 
     def entries(self, rows: Index, columns: Index) -> Array:
         solved, count = self.zones.solved, len(self.zones)

@@ -1,17 +1,22 @@
 """Approximate inverse of a matrix with off-diagonal blocks of low rank, by recursive halving.
 
-With A = [[A1, U1 V1'], [U2 V2', A2]], W1 = A1^-1 U1 and W2 = A2^-1 U2, the unknowns are x1 = y1 -
-W1 s2 and x2 = y2 - W2 s1, where y_i = A_i^-1 b_i, and s2 = V1' x2, s1 = V2' x1 solve a small system
+With A = [[A1, U1 V1'], [U2 V2', A2]] and W_i = A_i^-1 U_i, the unknowns are x1 = y1 - W1 s1 and
+x2 = y2 - W2 s2, where y_i = A_i^-1 b_i, and s1 = V1' x2, s2 = V2' x1 solve a small system
 (S. Ambikasaran and E. Darve, J. Sci. Comput. 57, 2013, 477-501). Low ranks come from adaptive cross
 approximation with partial pivoting (M. Bebendorf, Numer. Math. 86, 2000, 565-589).
+
+All blocks of one level are equally large and are treated together, as a stack of matrices.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sie.basis.data import Array, Index
+from sie.basis.data import Array, Index, Mask
 
 Entries = Callable[[Index, Index], Array]
 """entries(rows, columns) returns the matrix entries at the indices, which are broadcast."""
@@ -30,62 +35,102 @@ _OPTIONS = InverseOptions()
 
 
 class Inverse:
-    """Approximate inverse of the diagonal block [first, end) of a matrix, from its entries.
+    """Approximate inverse of a matrix with `count` rows, from its entries.
 
     Its relative error is about `tolerance`.
     """
 
-    def __init__(self, entries: Entries, first: int, end: int, tolerance: float) -> None:
-        self.count = end - first
-        if self.count <= _OPTIONS.leaf_size:
-            here = np.arange(first, end)
-            # An explicit inverse is faster to apply than LU factors. Its round-off is far below
-            # `tolerance`.
-            self.inverse = np.linalg.inv(entries(here[:, None], here))
-            self.halves: tuple[Inverse, Inverse] | None = None
-            return
-        cut = (first + end) // 2
-        self.halves = Inverse(entries, first, cut, tolerance), Inverse(entries, cut, end, tolerance)
-        one, two = np.arange(first, cut), np.arange(cut, end)
-        u1, self.v1 = cross(entries, one, two, tolerance)
-        u2, self.v2 = cross(entries, two, one, tolerance)
-        self.w1, self.w2 = self.halves[0](u1), self.halves[1](u2)
-        r1, r2 = u1.shape[1], u2.shape[1]
-        small = np.eye(r1 + r2)
-        small[:r1, r1:] = self.v1.T @ self.w2
-        small[r1:, :r1] = self.v2.T @ self.w1
-        self.small = np.linalg.inv(small)
+    def __init__(self, entries: Entries, count: int, tolerance: float) -> None:
+        # The rows are cut into 2^depth leaves, which differ by at most one row. Shorter leaves are
+        # padded with a row of the unit matrix, so that all are equally long.
+        depth = max(0, math.ceil(math.log2(max(count, 1) / _OPTIONS.leaf_size)))
+        first = np.arange(2**depth + 1) * count // 2**depth
+        size = np.diff(first)
+        place = np.arange(size.max())
+        self.real = place < size[:, None]
+        self.index = first[:-1, None] + np.minimum(place, size[:, None] - 1)
+        # Explicit inverses of the leaves are faster to apply than LU factors. Their round-off is
+        # far below `tolerance`.
+        leaves = entries(self.index[:, :, None], self.index[:, None, :])
+        both = self.real[:, :, None] & self.real[:, None, :]
+        self.leaves = np.linalg.inv(np.where(both, leaves, np.eye(len(place))))
+        # For each level, from the leaves to the root: V', W and the inverse of the small matrix.
+        self.levels: list[tuple[Array, Array, Array]] = []
+        for level in range(depth):
+            nodes = 2 ** (depth - level)
+            rows, real = self.index.reshape(nodes, -1), self.real.reshape(nodes, -1)
+            u, v = cross(entries, (rows, real), (_siblings(rows), _siblings(real)), tolerance)
+            w, of_sibling = self._solved(u), v.transpose(0, 2, 1)
+            rank = u.shape[2]
+            small = np.zeros((nodes // 2, 2, rank, 2, rank))
+            small[:, 0, :, 1], small[:, 1, :, 0] = np.moveaxis(
+                (of_sibling @ _siblings(w)).reshape(-1, 2, rank, rank), 1, 0
+            )
+            matrix = np.eye(2 * rank) + small.reshape(-1, 2 * rank, 2 * rank)
+            self.levels.append((of_sibling, w, np.asarray(np.linalg.inv(matrix), dtype=float)))
 
     def __call__(self, b: Array) -> Array:
-        """The product of the approximate inverse with b, (n,) or (n, k)."""
-        if self.halves is None:
-            return np.asarray(self.inverse @ b)
-        one, two = self.halves
-        y1, y2 = one(b[: one.count]), two(b[one.count :])
-        s = self.small @ np.concatenate((self.v1.T @ y2, self.v2.T @ y1))
-        rank = self.v1.shape[1]
-        return np.concatenate((y1 - self.w1 @ s[:rank], y2 - self.w2 @ s[rank:]))
+        """The product (n,) of the approximate inverse with the vector b (n,)."""
+        padded = np.where(self.real, b[self.index], 0.0)
+        return np.asarray(self._solved(padded[:, :, None])[self.real][:, 0])
+
+    def _solved(self, b: Array) -> Array:
+        """The inverses of the diagonal blocks of the levels made so far, times a stack b.
+
+        b: right sides of all rows, split into any number of blocks, (blocks, rows, columns).
+        """
+        shape, columns = b.shape, b.shape[2]
+        y = self.leaves @ b.reshape(len(self.leaves), -1, columns)
+        for of_sibling, w, small in self.levels:
+            y = y.reshape(len(w), -1, columns)
+            s = small @ (of_sibling @ _siblings(y)).reshape(len(small), -1, columns)
+            y -= w @ s.reshape(len(w), -1, columns)
+        return y.reshape(shape)
 
 
-def cross(entries: Entries, rows: Index, columns: Index, tolerance: float) -> tuple[Array, Array]:
-    """(U, V) such that U V' approximates a block of a matrix, by adaptive cross approximation."""
-    u, v = np.zeros((len(rows), _OPTIONS.leaf_size)), np.zeros((len(columns), _OPTIONS.leaf_size))
-    unused = np.ones(len(rows), dtype=bool)
+def _siblings(blocks: NDArray[Any]) -> NDArray[Any]:
+    """A stack of blocks, in which neighbouring blocks 0 and 1, 2 and 3, ... change places."""
+    pairs = blocks.reshape(-1, 2, *blocks.shape[1:])
+    return np.asarray(pairs[:, ::-1].reshape(blocks.shape))
+
+
+def cross(
+    entries: Entries, rows: tuple[Index, Mask], columns: tuple[Index, Mask], tolerance: float
+) -> tuple[Array, Array]:
+    """(U, V) such that U V' approximates blocks of a matrix, by adaptive cross approximation.
+
+    rows, columns: for each block of a stack (n, rows) and (n, columns), the indices, and a mask of
+    those that count. The other rows and columns of U V' are zero.
+    """
+    (row, real_row), (column, real_column) = rows, columns
+    most = min(_OPTIONS.leaf_size, row.shape[1], column.shape[1])
+    u, v = np.zeros((*row.shape, most)), np.zeros((*column.shape, most))
+    unused = real_row.copy()
     # The first pivot row is the row nearest to the columns of the block, since the entries vary
     # most in this row.
-    pivot = len(rows) - 1 if rows[0] < columns[0] else 0
-    size = 0.0
-    for k in range(min(_OPTIONS.leaf_size, len(rows), len(columns))):
-        unused[pivot] = False
-        row = entries(rows[pivot], columns) - v[:, :k] @ u[pivot, :k]
-        j = int(np.argmax(np.abs(row)))
-        if row[j] == 0.0:
-            return u[:, :k], v[:, :k]
-        column = entries(rows, columns[j]) - u[:, :k] @ v[j, :k]
-        u[:, k], v[:, k] = column, row / row[j]
-        new = float(np.linalg.norm(column) * np.linalg.norm(v[:, k]))
-        size = max(size, new)
-        if new <= tolerance * size or not unused.any():
-            return u[:, : k + 1], v[:, : k + 1]
-        pivot = int(np.argmax(np.where(unused, np.abs(column), -1.0)))
+    last = real_row.sum(axis=1) - 1
+    pivot = np.where(row[:, 0] < column[:, 0], last, 0)
+    size, active = np.zeros(len(row)), np.arange(len(row))
+    for k in range(most):
+        unused[active, pivot] = False
+        here = entries(row[active, pivot][:, None], column[active])
+        here -= (v[active, :, :k] @ u[active, pivot, :k, None])[:, :, 0]
+        here[~real_column[active]] = 0.0
+        j = np.argmax(np.abs(here), axis=1)
+        top = here[np.arange(len(active)), j]
+        live = top != 0.0
+        active, here, j, top = active[live], here[live], j[live], top[live]
+        if len(active) == 0:
+            return u[:, :, :k], v[:, :, :k]
+        there = entries(row[active], column[active, j][:, None])
+        there -= (u[active, :, :k] @ v[active, j, :k, None])[:, :, 0]
+        there[~real_row[active]] = 0.0
+        u[active, :, k], v[active, :, k] = there, here / top[:, None]
+        new = np.linalg.norm(there, axis=1) * np.linalg.norm(v[active, :, k], axis=1)
+        size[active] = np.maximum(size[active], new)
+        on = (new > tolerance * size[active]) & unused[active].any(axis=1)
+        pivot = np.argmax(np.where(unused[active], np.abs(there), -1.0), axis=1)[on]
+        active = active[on]
+        if len(active) == 0:
+            return u[:, :, : k + 1], v[:, :, : k + 1]
     return u, v

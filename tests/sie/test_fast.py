@@ -245,19 +245,33 @@ class TestCoarseInverse:
         every = np.arange(500)
         full = matrix(every[:, None], every)
         for tolerance in (1e-2, 1e-5, 1e-8):
-            x = Inverse(matrix, 0, 500, tolerance)(b)
+            x = Inverse(matrix, 500, tolerance)(b)
             exact = np.linalg.solve(full, b)
             assert np.linalg.norm(x - exact) < 10 * tolerance * np.linalg.norm(exact)
 
     def test_blocks_off_the_diagonal_are_of_low_rank(self, matrix):
-        rows, columns = np.arange(250), np.arange(250, 500)
-        block = matrix(rows[:, None], columns)
+        # Two blocks are treated together: they are on both sides of the diagonal. The last row of
+        # the first block and the last column of the second one do not count.
+        rows = np.arange(500).reshape(2, 250)
+        real = np.ones((2, 250), dtype=bool)
+        real[0, -1] = False
+        blocks = matrix(rows[:, :, None], rows[::-1, None, :])
+        blocks[0, -1] = blocks[1, :, -1] = 0.0
         ranks = []
         for tolerance in (1e-3, 1e-6, 1e-9):
-            u, v = cross(matrix, rows, columns, tolerance)
-            assert np.linalg.norm(u @ v.T - block) < 10 * tolerance * np.linalg.norm(block)
-            ranks.append(u.shape[1])
+            u, v = cross(matrix, (rows, real), (rows[::-1], real[::-1]), tolerance)
+            for block, one, other in zip(blocks, u, v, strict=True):
+                wrong = np.linalg.norm(one @ other.T - block)
+                assert wrong < 10 * tolerance * np.linalg.norm(block)
+            ranks.append(u.shape[2])
         assert ranks == sorted(ranks) and ranks[-1] < 40
+
+    @pytest.mark.parametrize("count", [1, 2, 63, 64, 65, 127, 131, 257])
+    def test_rows_of_any_number_are_cut_into_equal_blocks(self, matrix, count):
+        b = np.random.default_rng(1).standard_normal(count)
+        x = Inverse(matrix, count, 1e-12)(b)
+        full = matrix(np.arange(count)[:, None], np.arange(count))
+        assert np.linalg.norm(full @ x - b) < 1e-9 * np.linalg.norm(full) * np.linalg.norm(x)
 
 
 class TestGmres:
