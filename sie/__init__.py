@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 from sie.basis import lazy
 
 if TYPE_CHECKING:
+    from sie.basis.compiled import in_threads
     from sie.basis.data import Array, Complex, Index, Kept, Mask, nearest_image, record, wrapped
     from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
     from sie.basis.lazy import uncollected
@@ -113,6 +114,7 @@ __all__ = [
     "free_with_value",
     "hilbert",
     "images",
+    "in_threads",
     "moment",
     "nearest_image",
     "record",
@@ -126,6 +128,7 @@ __all__ = [
 # A module is loaded when one of its names is first used. So a program that needs only `Zones` does
 # not load the search for ends. The imports above list the same names for readers and type checkers.
 _HOMES = {
+    "sie.basis.compiled": "in_threads",
     "sie.basis.data": "Array Complex Index Kept Mask nearest_image record wrapped",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
     "sie.basis.zones": "BOUNDED FREE SINGULAR End Zones bounded_with_value free_with_intensity "

@@ -17,6 +17,7 @@ from contact import inverse
 from contact.errors import OutOfRange
 from contact.search.grid import nested_grids, proposals
 from contact.search.grid.conjugate_gradient import GridState, Influence, Response, solve_grid
+from contact.search.grid.fourier import Factors, Transform
 from contact.search.grid.nested_grids import find_window, narrowest, propose, zones_of
 from contact.search.grid.scaling import scaled_scene
 from contact.search.topology.intervals import NARROW, merged
@@ -161,6 +162,22 @@ def test_the_isolated_influence_of_a_uniform_pressure_is_the_closed_logarithmic_
     left, right = x, length - x
     exact = -2.0 / (np.pi * E) * (left * np.log(left) + right * np.log(right) - length)
     assert np.allclose(u, exact, atol=1e-12)
+
+
+@pytest.mark.parametrize("size", [7, 12, 5001, 1 << 14, 100_001, 100_002, 100_000, 15 << 13, 7 << 17])
+@pytest.mark.parametrize("threads", ["1", "3"])
+def test_factors_of_waves_act_as_by_one_long_transform(
+    size: int, threads: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", threads)
+    rng = np.random.default_rng(size)
+    factors, values = rng.standard_normal(size // 2 + 1), rng.standard_normal(size)
+    for given in (values, values[: size // 2]):
+        wanted = np.fft.irfft(np.fft.rfft(given, size) * factors, size)
+        for kind, digits in ((np.float64, 1e-14), (np.float32, 1e-5)):
+            found = Factors(Transform(size, kind), factors)(given.astype(kind))
+            assert found.dtype == kind and found.shape == (size,)
+            assert np.abs(found - wanted).max() < digits * np.abs(wanted).max()
 
 
 @pytest.mark.parametrize("at", [0.45, -0.48, 0.5])

@@ -36,7 +36,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import scipy.fft
@@ -45,6 +44,7 @@ from numpy.typing import ArrayLike, NDArray
 from contact.errors import OutOfRange
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.noise import EPS
+from contact.search.grid.fourier import Factors, Transform
 from sie import Array, Index, Mask, record
 
 Rest = Callable[[Array, float], Array]
@@ -147,24 +147,38 @@ class Influence:
         return cls(n, h, E, False, compliance, _wave_stiffness(2 * n, h, E), float(offset))
 
     @cached_property
+    def _exactly(self) -> Factors:
+        return Factors(Transform(self.size), self._compliance)
+
+    @cached_property
+    def _in_single_precision(self) -> Transform:
+        return Transform(self.size, np.float32)
+
+    @cached_property
     def roughly(self) -> _SinglePrecision:
         """Displacement up to a constant, to 1e-6 of its largest value; of all padded points."""
-        return _SinglePrecision(self._compliance, self.size)
+        return _SinglePrecision(self._in_single_precision, self._compliance)
 
     @cached_property
     def stiffly(self) -> _SinglePrecision:
         """The pressure D u for a displacement u of all padded points, in single precision."""
-        return _SinglePrecision(self.stiffness, self.size)
+        return _SinglePrecision(self._in_single_precision, self.stiffness)
 
     @property
     def size(self) -> int:
         """Length of the FFT: n on a period; 2 n for a single body, padded with zeros."""
         return self.n if self.is_periodic else 2 * self.n
 
+    def response(self, inside: Index, p: Array) -> Array:
+        """Displacement at the points `inside`, under the pressure p on these points."""
+        full = np.zeros(self.n)
+        full[inside] = p
+        return self.apply(full)[inside]
+
     def apply(self, p: ArrayLike) -> Array:
         """Displacement at the grid points under the pressure p on them."""
         pressure = np.asarray(p, dtype=np.float64)
-        u = _multiplied(pressure, self._compliance, self.size)[: self.n]
+        u = self._exactly(pressure)[: self.n]
         return u + self._offset * (float(pressure.sum()) * self.h) if self._offset else u
 
 
@@ -209,23 +223,21 @@ class _SinglePrecision:
     any units.
     """
 
-    def __init__(self, factors: Array, size: int) -> None:
-        self.size, self.largest = size, float(np.abs(factors).max())
-        self.factors = (factors / self.largest).astype(np.float32)
+    def __init__(self, transform: Transform, factors: Array) -> None:
+        self.size, self.largest = transform.size, float(np.abs(factors).max())
+        self.factors = Factors(transform, factors / self.largest)
 
-    def __call__(self, values: Array) -> Array:
+    def scaled(self, values: Array) -> tuple[NDArray[np.float32], float]:
+        """(values divided by their largest absolute value, factor of the products with these)."""
         unit = float(np.abs(values).max()) or 1.0
-        scaled = (values / unit).astype(np.float32)
-        out = _multiplied(scaled, self.factors, self.size).astype(np.float64)
-        out *= unit * self.largest
-        return np.asarray(out)
+        return (values / unit).astype(np.float32), unit * self.largest
 
-
-def _multiplied(values: NDArray[Any], factors: NDArray[Any], size: int) -> NDArray[Any]:
-    """The values, padded with zeros to `size`, multiplied by `factors` in Fourier space."""
-    seen = scipy.fft.rfft(values, size)
-    seen *= factors
-    return np.asarray(scipy.fft.irfft(seen, size, overwrite_x=True))
+    def response(self, inside: Index, values: Array) -> Array:
+        """The products at the points `inside`, for values at these points and zeros elsewhere."""
+        scaled, scale = self.scaled(values)
+        full = np.zeros(self.size, dtype=np.float32)
+        full[inside] = scaled
+        return np.asarray(self.factors(full)[inside] * np.float64(scale))
 
 
 def _wave_stiffness(n: int, h: float, E: float) -> Array:
@@ -278,23 +290,24 @@ class _Extension:
         # `np.roll` takes several times as long as indexing.
         count = len(inside)
         self.next, self.last = (np.arange(1, count + 1) % count, np.arange(-1, count - 1) % count)
-        self.along = (np.arange(self.size) - np.repeat(self.starts, self.lengths)) / np.repeat(
-            self.lengths, self.lengths
-        )
+        along = np.arange(self.size) - np.repeat(self.starts, self.lengths)
+        self.along = np.divide(along, np.repeat(self.lengths, self.lengths), dtype=np.float32)
 
     def precondition(self, residual: Array) -> Array:
         """An approximate inverse of the operator S, applied to a residual on the contact set.
 
         It is B' D B (head of this module). The mean of the result is subtracted.
         """
-        v = np.repeat(residual[self.next] - residual, self.lengths)
+        scaled, scale = self.stiffness.scaled(residual)
+        v = np.repeat(scaled[self.next] - scaled, self.lengths)
         v *= self.along
-        v += np.repeat(residual, self.lengths)
-        q = self.stiffness(v)
+        v += np.repeat(scaled, self.lengths)
+        q = self.stiffness.factors(v).astype(np.float64)
         z = np.add.reduceat(q, self.starts)
         q *= self.along
         to_next = np.add.reduceat(q, self.starts)
         z += to_next[self.last] - to_next
+        z *= scale
         return np.asarray(z - z.mean())
 
 
@@ -422,7 +435,7 @@ class _Run:
         direction, rz = z.copy(), _dot(r, z)
         # A rough solution needs no more digits of the response than of the residual.
         is_rough = tol >= OPTIONS.fine_tolerance
-        apply = self.influence.roughly if is_rough else self.influence.apply
+        apply = self.influence.roughly.response if is_rough else self.influence.response
         converged, steps = False, 0
         best, since = np.inf, 0
         while True:
@@ -435,8 +448,7 @@ class _Run:
                 break
             self.iterations += 1
             steps += 1
-            full[inside] = direction
-            response = apply(full)[inside]
+            response = apply(inside, direction)
             curvature = _dot(direction, response)
             if not curvature > 0.0:
                 break
@@ -470,7 +482,7 @@ class _Run:
         self.iterations += 1
         mean = float(shape.mean())
         level = mean + self.influence.yields * load / (n * h)
-        p = load / (n * h) - _multiplied(shape - mean, self.influence.stiffness, n)
+        p = load / (n * h) - Factors(Transform(n), self.influence.stiffness)(shape - mean)
         roundoff = EPS * (
             self.influence.E / h * float(np.max(np.abs(shape - mean))) + load / (n * h)
         )

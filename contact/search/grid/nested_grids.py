@@ -161,20 +161,20 @@ def zones_of(state: GridState, x: ArrayLike, between_points: bool = False) -> Ar
     if state.full:
         return np.empty((0, 2))
     wraps, x0 = state.influence.is_periodic, float(points[0])
-    runs = runs_of(state.contact, wraps)
-    zones = np.empty((len(runs), 2))
-    for k, (first, last) in enumerate(runs):
-        cells = np.arange(first, last + 1) % n
-        p = state.pressure[cells]
-        left, right = x0 + h * first, x0 + h * last
-        if len(cells) < NARROW:
-            centre, half = _hertz(state, cells, first, E)
-            a, b = x0 + h * centre - half, x0 + h * centre + half
-        else:
-            a, b = left - h * float(_to_end(p[0], p[1])), right + h * float(_to_end(p[-1], p[-2]))
-        # The left and the right neighbour of the run of points in contact lie outside the zone. So
-        # zones do not overlap.
-        zones[k] = max(a, left - 0.999 * h), min(b, right + 0.999 * h)
+    runs = np.array(runs_of(state.contact, wraps), dtype=np.intp).reshape(-1, 2)
+    first, last = runs.T
+    count, p = last - first + 1, state.pressure
+    left, right = x0 + h * first, x0 + h * last
+    before_last = np.maximum(last - 1, first)
+    a = left - h * _to_end(p[first % n], p[(first + 1) % n])
+    b = right + h * _to_end(p[last % n], p[before_last % n])
+    for k in np.flatnonzero(count < NARROW):
+        cells = np.arange(first[k], last[k] + 1) % n
+        centre, half = _hertz(state, cells, int(first[k]), E)
+        a[k], b[k] = x0 + h * centre - half, x0 + h * centre + half
+    # The left and the right neighbour of the run of points in contact lie outside the zone. So
+    # zones do not overlap.
+    zones = np.column_stack((np.maximum(a, left - 0.999 * h), np.minimum(b, right + 0.999 * h)))
     if between_points:
         gaps = _gaps_between(points, state)
         zones = without(zones, np.concatenate((gaps, gaps + n * h)) if wraps else gaps)
