@@ -28,7 +28,19 @@ from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.right_side import ForcingJumps
 
-OWN_SIZES = np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(11))))
+
+def _for_transforms(sizes: Index) -> Index:
+    """The sizes, above `max_direct_terms` reduced by one: n + 1 then has small prime factors only.
+
+    A fast transform of n values is an FFT of length 2 (n + 1). With n = 192 the prime number 193
+    made it twenty times slower than with n = 191.
+    """
+    return np.where(sizes > SUMS.max_direct_terms, sizes - 1, sizes)
+
+
+OWN_SIZES = _for_transforms(
+    np.sort(np.concatenate((8 * 2 ** np.arange(13), 24 * 2 ** np.arange(11))))
+)
 
 
 @dataclass(frozen=True)
@@ -38,7 +50,7 @@ class ModeOptions:
     # Largest number of nodes at which the right side is sampled on a zone. A zone whose last
     # Chebyshev coefficients have nearly decayed may have more nodes, as long as the table of all
     # zones has at most `memory_pairs` numbers.
-    max_nodes: int = 8192
+    max_nodes: int = 8191
     # Chebyshev coefficients on a zone have nearly decayed if the last ones are below this fraction
     # of the largest one. If 1.5 times as many modes do not halve such small coefficients, they are
     # noise: even for a kernel as rough as |x - xi| they would be more than halved.
@@ -55,7 +67,7 @@ class ModeOptions:
     # narrow gap would need more modes, the gap is treated as a cut inside one wide zone
     # (`sie.slits`), provided that the gap's ends are free. Zones next to a gap with a fixed end get
     # graded coordinates (`sie.graded`).
-    max_modes: int = 768
+    max_modes: int = 767
     # If the matrix of the linear system would have more entries than this, the rates at which a
     # solution changes with the positions of the ends are found by iteration.
     max_matrix_numbers: float = 4e7
@@ -68,13 +80,14 @@ class ModeOptions:
 
 OPTIONS = ModeOptions()
 
-COUPLED_SIZES = np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 12]).ravel()))
-
+COUPLED_SIZES = _for_transforms(
+    np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 12]).ravel()))
+)
 
 # Largest number of modes of a zone if ends have given values. Narrow gaps between such zones are no
-# slits, and a gap of 1e-4 of the zone needs about 1200 modes for eight digits. With 768 modes, the
+# slits, and a gap of 1e-4 of the zone needs about 1200 modes for eight digits. With 767 modes, the
 # field of a rough zone was in error by 2e-7 on a narrow zone; beyond 1500 modes round-off grows.
-MAX_MODES_WITH_VALUES = 1280
+MAX_MODES_WITH_VALUES = 1279
 
 
 def most(kernel: Kernel) -> int:

@@ -83,7 +83,7 @@ def solve_fixed(
     sizes : Sizes or None
         Numbers of modes to start from, kept from one solve to the next.
     largest : int or None
-        Largest number of modes of a zone. None: 8192, or up to 32768 if there are few zones and
+        Largest number of modes of a zone. None: 8191, or up to 32767 if there are few zones and
         their coefficients have nearly decayed by then.
     direct : bool
         Whether to use a matrix for any number of unknowns up to `max_matrix_unknowns`. This pays

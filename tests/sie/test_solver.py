@@ -150,7 +150,7 @@ def test_a_jump_that_is_not_declared_is_suspected_in_words():
     rough = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: np.sign(x - 0.2)), (sie.Total(1.0),))
     with pytest.raises(
         sie.NotConverged,
-        match="the last of 8192 coefficients of the right side .* is to be declared",
+        match="the last of 8191 coefficients of the right side .* is to be declared",
     ):
         sie.solve(rough, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
 

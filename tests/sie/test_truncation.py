@@ -44,22 +44,24 @@ def test_what_short_series_leave_out_is_stated(gap, pole):
 @pytest.mark.parametrize("wave", [1.0, 30.0, 200.0])
 @pytest.mark.parametrize("noise", [1e-6, 1e-9, 1e-12])
 def test_noise_of_the_right_side_is_stated_and_is_no_more_than_the_waves_let_in(noise, wave):
-    """Of n coefficients that are noise 1/sqrt(1 - t^2) makes n^1.5 beside an end: those beyond the
-    waves are none.
+    """If all n coefficients were noise, 1/sqrt(1 - t^2) would make n^1.5 of it beside an end. But
+    the coefficients beyond the waves are left out. This holds for the median of several noises.
     """
     zones, total = sie.Zones.of([[-1.0, 1.0]]), (sie.Total(1.0),)
 
-    def solved(noise):
+    def solved(noise, turns=1e9):
         forcing = sie.Forcing(
-            lambda x: np.cos(wave * x) + noise * np.sin(1e9 * x * (1 + x)),
+            lambda x: np.cos(wave * x) + noise * np.sin(turns * x * (1 + x)),
             lambda x: np.sin(wave * x) / wave,
         )
         return solve_zones(sie.Equation(sie.cauchy(), forcing, total), zones)
 
-    state = solved(noise)
-    found = off(state, solved(0.0))
-    assert found < state.density_error * state.size
-    assert found < noise * 8
+    exact, found = solved(0.0), []
+    for turns in 1e9 + 12345.6 * np.arange(7):
+        state = solved(noise, turns)
+        found.append(off(state, exact))
+        assert found[-1] < state.density_error * state.size
+    assert np.median(found) < noise * 8
 
 
 @pytest.mark.parametrize("start", [0.0315, -0.029237])
