@@ -3,13 +3,14 @@
     python -m contact.studies.ablation [--only NAME ...] [--ordinary] [--out FILE]
 
 The scenes are 95 ordinary ones, 91 of them of `contact.studies.random_scenes` and four adhesive
-traces, and the extreme ones of `contact.studies.bench.extremes` that take no more than about a
-second. A mechanism is switched off by replacing a function, a class attribute or a field of
-options, in a process of its own. For each mechanism the table has the number of scenes that are
-lost, the number of scenes whose answer changes by more than the sum of both stated errors, and the
-processor time relative to the run with everything on. If the object to be replaced does not exist,
-an error is raised. `--ordinary` leaves out the extreme scenes, which take most of the time. `python
--m contact.studies.pages DIR` sets DIR/ablation.md in docs/ablation.md.
+traces, some large ones with hundreds of zones or plateaus, and the extreme ones of
+`contact.studies.bench.extremes` that take no more than about a second. A mechanism is switched off
+by replacing a function, a class attribute or a field of options, in a process of its own. For each
+mechanism the table has the number of scenes that are lost, the number of scenes whose answer
+changes by more than the sum of both stated errors, and the processor time relative to the run with
+everything on. If the object to be replaced does not exist, an error is raised. `--ordinary` leaves
+out the large and the extreme scenes, which take most of the time. `python -m contact.studies.pages
+DIR` sets DIR/ablation.md in docs/ablation.md.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ import json
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,9 +35,11 @@ from contact.extras import require
 from contact.studies.bench import clock, stability
 from contact.studies.bench.alone import measured, publish
 from contact.studies.bench.extremes import matrix
+from contact.studies.bench.large_scenes import Large, self_affine, trace_of_kind
 from contact.studies.bench.report import Table
 from contact.studies.random_scenes import Drawn, draw
 from contact.studies.trace_kinds import self_affine_heights
+from sie.dense.modes import OPTIONS
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,10 @@ def _none_for_all(old: Any) -> Any:
     return lambda scenes, tol: [None] * len(scenes)
 
 
+def _no_zones(old: Any) -> Any:
+    return lambda *args: np.empty((0, 2))
+
+
 def _no_context(old: Any) -> Any:
     return lambda *args, **kwargs: contextlib.nullcontext()
 
@@ -161,6 +169,18 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
     "guide of Dugdale's law by a grid": (
         Switch("contact.adhesion.cohesive_flow:guide_of", returning(None)),
     ),
+    "rough rounds for many zones": (
+        Switch("contact.search.topology.loop:ROUGH", with_fields(min_intervals=10**9)),
+    ),
+    "a looser grid for many zones": (
+        Switch("contact.search.grid.nested_grids:OPTIONS", with_fields(many_features=10**9)),
+    ),
+    "zones between the points of a grid": (
+        Switch("contact.search.grid.nested_grids:_zones_between", _no_zones),
+    ),
+    "more modes beside plateaus": (
+        Switch("sie.dense.modes:MAX_MODES_WITH_VALUES", lambda old: OPTIONS.max_modes),
+    ),
     "foreseen snap into full contact": (
         Switch("contact.adhesion.full_contact:closing_foreseen", _no_context),
     ),
@@ -172,9 +192,16 @@ COLUMNS = (
     "others changed",
     "time, median",
     "time, all",
+    "large scenes lost",
+    "others changed",
+    "time, all",
     "extreme scenes within",
     "time, all",
 )
+
+
+# Tolerance of the ordinary scenes.
+TOLERANCE = 1e-8
 
 
 def ordinary_scenes(count: int = 91, first: int = 10_000) -> list[contact.Scene]:
@@ -202,12 +229,29 @@ def adhesive_scene(seed: int) -> contact.Scene:
     return contact.Scene(profile, 1.0, contact.Periodic(), law=law, mean_pressure=mean_pressure)
 
 
-def run_ordinary(scene: contact.Scene, patience: float) -> dict[str, Any]:
-    """Solve a scene to a tolerance of 1e-8; return the outcome, zones, error and seconds."""
+def large_scenes() -> list[tuple[contact.Scene, float]]:
+    """Scenes with hundreds or thousands of zones, and the tolerance of each.
+
+    The first has so many waves that its grid is coarse. The last three have a hardness of 1.5 or 3
+    times the mean pressure.
+    """
+    large = [Large("waves", partial(self_affine, 40_000), "mean_pressure", 0.005)]
+    kinds = ("white_noise", "plateaus", "texture", "rough")
+    large += [Large(kind, partial(trace_of_kind, kind, 5_000), "full", 0.1, 1e-6) for kind in kinds]
+    scenes = [(one.scene(), one.tol) for one in large]
+    for number, times in ((1, 3.0), (3, 1.5), (4, 3.0)):
+        scene, tolerance = scenes[number]
+        limit = times * float(scene.mean_pressure or 0.0)
+        scenes.append((replace(scene, law=contact.Plastic(limit)), tolerance))
+    return scenes
+
+
+def solved(scene: contact.Scene, patience: float, tolerance: float = TOLERANCE) -> dict[str, Any]:
+    """Solve a scene to a tolerance; return the outcome, zones, error and seconds."""
     found: dict[str, Any] = {"solved": False, "zones": [], "error": 0.0}
     start = time.process_time()
     try:
-        solution = clock.limited(lambda: contact.solve(scene, tol=1e-8), patience)
+        solution = clock.limited(lambda: contact.solve(scene, tol=tolerance), patience)
         found |= {"solved": True, "zones": solution.zones.tolist(), "error": solution.error}
     except (contact.ContactError, clock.TooLong, ArithmeticError, ValueError):
         pass
@@ -219,13 +263,15 @@ def measure(name: str, patience: float, ordinary_only: bool) -> dict[str, Any]:
     for switch in MECHANISMS.get(name, ()):
         switch.apply()
     with unwarned():
-        ordinary = [run_ordinary(one, patience) for one in ordinary_scenes()]
+        ordinary = [solved(one, patience) for one in ordinary_scenes()]
+        scenes = [] if ordinary_only else large_scenes()
+        large = [solved(scene, 5 * patience, tolerance) for scene, tolerance in scenes]
         cases = [] if ordinary_only else matrix(quick=True)
         verdicts = [stability.run(case, patience) for case in cases]
     extreme = [
         {"within": one.outcome in ("pass", "undecided"), "seconds": one.seconds} for one in verdicts
     ]
-    return {"ordinary": ordinary, "extreme": extreme}
+    return {"ordinary": ordinary, "large": large, "extreme": extreme}
 
 
 def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
@@ -242,21 +288,33 @@ def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
     return bool((np.abs(zones - others) / width).max() > one["error"] + other["error"] + 1e-13)
 
 
+def compared(on: list[dict[str, Any]], off: list[dict[str, Any]]) -> tuple[str, str, list[float]]:
+    """Numbers of the scenes lost and of those changed, and (seconds on, seconds off) in all."""
+    pairs = list(zip(on, off, strict=True))
+    both = [(a, b) for a, b in pairs if a["solved"] and b["solved"]]
+    lost = sum(a["solved"] and not b["solved"] for a, b in pairs)
+    seconds = [sum(pair[side]["seconds"] for pair in both) for side in (0, 1)]
+    return str(lost), str(sum(changed(a, b) for a, b in both)), seconds
+
+
 def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
     """Return the table row of a mechanism, from the results `on` with it and `off` without it."""
     pairs = list(zip(on["ordinary"], off["ordinary"], strict=True))
-    solved = [(a, b) for a, b in pairs if a["solved"] and b["solved"]]
-    ratios = [b["seconds"] / max(a["seconds"], 1e-4) for a, b in solved]
+    ratios = [
+        b["seconds"] / max(a["seconds"], 1e-4) for a, b in pairs if a["solved"] and b["solved"]
+    ]
+    lost, others, seconds = compared(on["ordinary"], off["ordinary"])
+    cells = [lost, others, f"{np.median(ratios):.2f}", f"{seconds[1] / seconds[0]:.2f}"]
+    if not off["extreme"]:
+        return (name, *cells, "not run", "", "", "not run", "")
+    lost, others, seconds = compared(on["large"], off["large"])
     within = sum(one["within"] for one in off["extreme"])
     extremes = [sum(one["seconds"] for one in run["extreme"]) for run in (on, off)]
     return (
         name,
-        str(sum(a["solved"] and not b["solved"] for a, b in pairs)),
-        str(sum(changed(a, b) for a, b in solved)),
-        f"{np.median(ratios):.2f}",
-        f"{sum(b['seconds'] for _, b in solved) / sum(a['seconds'] for a, _ in solved):.2f}",
-        f"{within} of {len(off['extreme'])}" if off["extreme"] else "not run",
-        f"{extremes[1] / extremes[0]:.2f}" if off["extreme"] else "",
+        *cells,
+        *(lost, others, f"{seconds[1] / seconds[0]:.2f}"),
+        *(f"{within} of {len(off['extreme'])}", f"{extremes[1] / extremes[0]:.2f}"),
     )
 
 
@@ -277,7 +335,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", nargs="+", choices=list(MECHANISMS), default=list(MECHANISMS))
     parser.add_argument("--patience", type=float, default=20.0, help="seconds for one scene")
-    parser.add_argument("--ordinary", action="store_true", help="leave out the extreme scenes")
+    parser.add_argument("--ordinary", action="store_true", help="leave out other scenes")
     parser.add_argument("--one", help="measure one mechanism and print its figures")
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()

@@ -168,11 +168,16 @@ def _seconds(cell: str) -> float:
 def losses(cells: Cells) -> Cells:
     """Short form of the ablation table: for each mechanism, scenes lost or changed, and times."""
     rows: list[Row] = []
-    for name, lost, changed, _, ordinary, within, extreme in cells.rows:
+    for name, lost, changed, _, time, *large, within, extreme_time in cells.rows:
         counts = re.findall(r"\d+", within)
         missed = str(int(counts[1]) - int(counts[0])) if len(counts) == 2 else "not run"
-        rows.append((name, str(int(lost) + int(changed)), ordinary, missed, extreme))
-    heads = ("off", "ordinary scenes lost or changed", "time", "extreme scenes lost", "time")
+        of_large = str(int(large[0]) + int(large[1])) if large[1] else "not run"
+        ordinary = str(int(lost) + int(changed))
+        rows.append((name, ordinary, time, of_large, large[2], missed, extreme_time))
+    heads = (
+        *("off", "ordinary scenes lost or changed", "time"),
+        *("large scenes lost or changed", "time", "extreme scenes lost", "time"),
+    )
     return cells._replace(columns=heads, rows=rows)
 
 

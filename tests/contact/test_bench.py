@@ -465,9 +465,9 @@ class TestPages:
         assert pages.shown("machine", text) == line
 
     def test_lost_and_changed_scenes_of_the_ablation_are_added(self):
-        rows = [("it", "1", "2", "1.10", "1.20", "124 of 127", "1.30")]
+        rows = [("it", "1", "2", "1.10", "1.20", "1", "4", "1.40", "124 of 127", "1.30")]
         short = shortened.losses(shortened.Cells(ablation.COLUMNS, rows, []))
-        assert short.rows == [("it", "3", "1.20", "3", "1.30")]
+        assert short.rows == [("it", "3", "1.20", "5", "1.40", "3", "1.30")]
 
     def test_every_place_in_the_pages_is_that_of_a_table_that_is_made_and_is_filled(
         self, monkeypatch
@@ -514,11 +514,15 @@ class TestAblation:
     def test_lost_and_changed_scenes_are_counted(self):
         zones = [[-1.0, 1.0]]
         one = {"solved": True, "zones": zones, "error": 1e-9, "seconds": 1.0}
-        on = {"ordinary": [one, one, one], "extreme": [{"within": True, "seconds": 2.0}]}
+        extreme = [{"within": True, "seconds": 2.0}]
+        on = {"ordinary": [one, one, one], "large": [one], "extreme": extreme}
         other = one | {"zones": [[-1.0, 1.1]], "seconds": 3.0}
         off = {
             "ordinary": [one | {"solved": False}, other, one | {"seconds": 2.0}],
+            "large": [one | {"seconds": 5.0}],
             "extreme": [{"within": False, "seconds": 1.0}],
         }
         found = ablation.row("it", on, off)
-        assert found == ("it", "1", "1", "2.50", "2.50", "0 of 1", "0.50")
+        assert found == ("it", "1", "1", "2.50", "2.50", "0", "0", "5.00", "0 of 1", "0.50")
+        only = ablation.row("it", on, off | {"large": [], "extreme": []})
+        assert only == ("it", "1", "1", "2.50", "2.50", "not run", "", "", "not run", "")
