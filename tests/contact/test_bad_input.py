@@ -1,5 +1,6 @@
-"""What is wrong is refused by name: a ContactError that says which field, which value, what is
-allowed; never numpy's own.
+"""Bad input raises a ContactError, never an error of numpy.
+
+The message names the field, its value, and the values that are allowed.
 """
 
 from __future__ import annotations
@@ -29,8 +30,10 @@ CONTROLS = ["load", "mean_pressure", "approach", "half_width", "contact_fraction
 
 
 def in_short(value):
-    """What a value is called in the name of a test: the same in every process, so no address and no
-    four hundred digits.
+    """The text for a value in the name of a test.
+
+    It must be the same in every process, so it contains no address. A number of four hundred digits
+    is abbreviated.
     """
     if type(value) is object:
         return "object"

@@ -364,7 +364,7 @@ class TestMeasuredProfiles:
 
 
 class Repeated:
-    """What the independent quadrature asks of an answer."""
+    """Pressure and period of a solution: all that the independent quadrature needs."""
 
     def __init__(self, solution):
         self.pressure, self.period = solution.pressure, solution.scene.period

@@ -174,8 +174,9 @@ def test_a_lone_designed_contact_is_found_to_what_the_rounding_of_its_heights_le
         and abs(solution.zone_widths.sum() / problem.zone_widths.sum() - 1) < 1e-3
     )
     error = float((np.abs(solution.zones - problem.zones).max(axis=1) / problem.zone_widths).max())
-    # What bends the surfaces over what adhesion asks for at the ends, and over how firmly these
-    # stand: a condition number.
+    # A condition number of the zone ends. `bending` is the largest end intensity that one
+    # coefficient of the pressure causes, divided by the prescribed intensity. `stability` is the
+    # least eigenvalue of the second variation of the energy.
     condition = solution.fields.bending / solution.certificate.stability
     assert error < 1e-10 + 20 * np.finfo(float).eps * condition
     assert error < 1e-9 or condition > 1e5
@@ -192,8 +193,8 @@ def test_the_certificate_tells_the_second_variation_of_the_design(seed, period):
     )
     matrix = solution.fields.second_variation()
     assert np.linalg.eigvalsh(matrix) == pytest.approx(expected, abs=1e-9 * expected.max())
-    # What one end gains as another one advances: contact grows together
-    # (contact.adhesion.gradient_flow).
+    # If one end advances, the energy that another end gains by advancing never falls. The gradient
+    # flow (contact.adhesion.gradient_flow) relies on this.
     assert np.all(matrix - np.diag(np.diag(matrix)) <= 0.0)
 
 

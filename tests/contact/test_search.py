@@ -44,7 +44,7 @@ def nested(monkeypatch: pytest.MonkeyPatch) -> list[GridState]:
 
 
 def iterations(nested: list[GridState]) -> int:
-    """Of all grids since the last count."""
+    """Iterations on all grids since the last count."""
     count = sum(state.iterations for state in nested)
     nested.clear()
     return count
@@ -120,7 +120,8 @@ def assert_complementary(state: GridState, tol: float = 1e-5) -> None:
     gap = state.influence.apply(p) + state.f - state.level
     seen = np.isfinite(state.f)
     assert np.allclose(gap[seen], state.gap[seen], atol=1e-12 * np.ptp(state.f[seen]))
-    # What an error of tol in p does to u on its own cell, times the log2(n) scales it adds up over.
+    # An error of tol * peak in the pressure of each cell changes the displacement by this much. The
+    # sum over all cells grows as the logarithm of their number.
     slack = tol * peak * h / E * np.log2(len(p))
     assert gap[~touch & seen].min(initial=0.0) >= -slack
     assert np.abs(gap[touch]).max() <= slack * 10

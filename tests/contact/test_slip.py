@@ -39,7 +39,7 @@ X = np.linspace(-1.1, 1.1, 41) * HALF
 
 
 def test_beside_a_tip_the_stress_states_the_rounding_of_the_place():
-    """Where the surfaces stick, the shear causes no strain: s_xx = -p."""
+    """Where the surfaces stick, the shear causes no strain, so that s_xx = -p."""
     solution = solved(contact.Wedge(0.01), load=1e-3)
     slip = contact.partial_slip(solution, MU, (1 - 1e-5) * MU * solution.load)
     x = slip.stick_zones[0, 1] * np.linspace(-0.98, 0.98, 50)
