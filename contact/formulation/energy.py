@@ -66,7 +66,7 @@ def _shape_moment_of_zones(fields: ZoneFields | GapFields) -> float:
         ) -> Array:
             left, right = sides(angle)
             x = np.where(left <= right, a + half * left, b - half * right)
-            return np.asarray(pressure(zone, left, right) * shape(x) * np.sqrt(left * right))
+            return _bounded(pressure(zone, left, right)) * shape(x) * np.sqrt(left * right)
 
         images = wrapped(breaks, a, problem.period)
         inside = np.sort(images[(images > a) & (images < b)])
@@ -84,11 +84,20 @@ def _shape_moment_of_period(fields: FullFields) -> float:
     breaks = start + np.unique(np.mod(problem.forcing.jumps.broken_at - start, period))
 
     def integrand(x: Array) -> Array:
-        return np.asarray(fields.pressure(units.x(x)) / units.pressure * problem.shape(x))
+        return _bounded(fields.pressure(units.x(x))) / units.pressure * problem.shape(x)
 
     first = breaks[0] if len(breaks) else start
     cuts = np.append(breaks if len(breaks) else start, first + period)
     return _integral(integrand, cuts, smooth=len(breaks) == 0)
+
+
+def _bounded(pressure: Array) -> Array:
+    """The pressure at nodes of a quadrature, with 0 in place of infinite values.
+
+    At a tip the pressure is infinite like a logarithm. A node that rounds to the tip has a weight
+    of the size of round-off, so its value does not count.
+    """
+    return np.asarray(np.where(np.isfinite(pressure), pressure, 0.0))
 
 
 def _integral(

@@ -6,6 +6,8 @@ the body, u is smaller than this bound outside contact. A point of the stretch o
 therefore have a negative gap. So contact is wider than the stretches together under every positive
 load, and narrows to them as the load goes to zero.
 
+Sharp corners: outside its corners a body cannot touch, so that no load makes the contact wider.
+
 A body on the whole line that falls without bound on one side has no equilibrium under any load. Far
 away the gap is f(x) - tilt x up to a logarithm, so that f must rise faster than tilt x on both
 sides. This growth is checked from decade to decade of x, far beyond any contact. Where the tilt is
@@ -63,6 +65,19 @@ def refuse_below_plateau(scene: Scene) -> None:
                 "is flat about x = 0, and any load has all of that in contact; ask for more, or "
                 "give a load"
             )
+
+
+def refuse_beyond_corners(scene: Scene) -> None:
+    """Raise OutOfRange for a contact wider than the body between its sharp corners."""
+    support, period, fraction = scene.profile.support, scene.profile.period, scene.given_fraction
+    if support is None or period is None or fraction is None:
+        return
+    most = (support[1] - support[0]) / period
+    if fraction > most * (1.0 + TOLERANCES.rounding):
+        raise OutOfRange(
+            f"contact_fraction {fraction:.15g} is above {most:.15g}: the body has sharp corners "
+            "there and no load makes its contact wider; ask for less"
+        )
 
 
 def lowest_stretches(profile: Profile) -> Array:

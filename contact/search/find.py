@@ -15,7 +15,7 @@ from contact.errors import NotConverged, OutOfRange
 from contact.extras import require
 from contact.model.controls import Quantity
 from contact.search.context import SolveContext
-from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
+from contact.search.feasibility import refuse_below_plateau, refuse_beyond_corners, refuse_unbounded
 from contact.search.grid.conjugate_gradient import LevelOfFullGrid
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
@@ -39,6 +39,7 @@ def found(context: SolveContext) -> Outcome:
     scene = context.scene
     if context.operator.is_plain and scene.law.equilibria.unique and scene.given_fraction != 1.0:
         refuse_below_plateau(scene)
+    refuse_beyond_corners(scene)
     refuse_unbounded(scene)
     refused: Failure | None = None
     for name, strategy in STRATEGIES:

@@ -22,6 +22,7 @@ UNITS = {
     "stick_zones": "m",
     "slip_zones": "m",
     "shift": "m",
+    "shift_error": "m",
     "creepage": "1",
     "dissipated": "J/m",
     "dissipated_error": "J/m",

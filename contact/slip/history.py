@@ -34,7 +34,8 @@ def load_history(
     history : sequence of (P, Q)
         Load and tangential load at the end of each segment [N/m], P > 0, |Q| <= friction P.
     tol : float
-        Largest stated error of each contact.
+        Largest stated error of each contact. A shear is a sum of pressures, so `Slip.error` may
+        be a few times larger.
 
     Returns
     -------

@@ -52,7 +52,8 @@ def partial_slip(
         Tension along x in body 1 [Pa], applied together with Q. Both bodies are of one material,
         so that the strain of body 1 relative to body 2 is bulk_stress / (2 E*).
     tol : float
-        Largest stated error of the contact under the smaller load.
+        Largest stated error of the contact under the smaller load. The shear is a sum of two
+        pressures, so `Slip.error` may be a few times larger.
 
     Returns
     -------
@@ -167,6 +168,7 @@ def slip_of(contacts: Mapping[float, Solution], state: State, tol: float) -> Sli
         )
     nested_or_refused(parts.is_nested or not state.bulk_stress, state.bulk_stress)
     needed = {load for step in segment.steps for load in (*step.stick, *step.load)}
+    needed |= {layer.top for layer in segment.layers}
     return Slip(
         solution=solution,
         friction=state.friction,

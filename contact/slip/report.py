@@ -43,9 +43,7 @@ def numbers(slip: Slip) -> Iterator[Row]:
     if slip.creepage is not None:
         yield "creepage", f"{slip.creepage:.10g}", "-"
     if slip.shift is not None:
-        zones = solution.zones
-        reach = scene.profile.period or float(zones[-1, 1] - zones[0, 0])
-        yield "shift", *with_error(slip.shift, 3 * pressure * reach / scene.E_star, "m")
+        yield "shift", *with_error(slip.shift, slip.shift_error, "m")
     if slip.dissipated is not None:
         yield "lost energy", *with_error(slip.dissipated, slip.dissipated_error, "J/m")
     yield "zones", zone_count(solution), ""

@@ -19,7 +19,7 @@ from contact.inside.stress import Stress, stress_from, tension_along
 from contact.model.checks import real
 from contact.model.units import counted, quantity
 from contact.slip.memory import SlipStep
-from contact.slip.work import LoadPoint, lost
+from contact.slip.work import OF_DISPLACEMENT, LoadPoint, displacement_unit, lost
 from contact.solution.solution import Solution
 from sie import Array
 
@@ -29,10 +29,6 @@ _REPORT = "contact.slip.report"
 # Error of the stresses due to a shear, divided by the result of `error_at` for this shear. It is 2,
 # because s_xx contains 2 Re H, with H the transform of the shear.
 _ERROR_BY_SHEAR = 2.0
-
-# Bound of the lost energy's error, in units of friction^2 times the load times the error of an
-# approach. The energy is a sum of at most this many products of a load and an approach.
-_OF_APPROACHES = 20.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +73,7 @@ class Slip(sie.Kept):
     shift : float or None
         Tangential displacement of body 2 along +x against body 1, far from the contact [m]. It
         counts from the same place as the approach; None where there is no approach, and in
-        rolling. Its error is at most about 3 error friction p L / E*. Here p is the largest
-        pressure, and L the period or, without a period, the width from the first to the last zone.
+        rolling. Its error is at most `shift_error`.
     error : float
         Stated bound of two relative errors: (i) the sum, over `terms`, of the errors of pressures
         at equal normalised positions in corresponding zones, times their factors, divided by
@@ -97,7 +92,7 @@ class Slip(sie.Kept):
     steps : tuple
         What slipped on the way to this state.
     contacts : mapping
-        The solutions of the loads in `steps`.
+        The solutions of the loads in `steps` and in `terms`.
 
     Examples
     --------
@@ -156,6 +151,21 @@ class Slip(sie.Kept):
         return len(self.stick_zones) == 0
 
     @cached_property
+    def shift_error(self) -> float | None:
+        """Stated bound of the error of `shift` [m].
+
+        It is 3 e p w / E* plus the round-off of the approaches. Here e is `error` times the
+        friction, and p the largest pressure. The width w is the period or, without a period, the
+        width from the first to the last zone.
+        """
+        if self.shift is None:
+            return None
+        moved = OF_DISPLACEMENT * self.error * self.friction * displacement_unit(self.solution)
+        contacts = (self.solution, *self.contacts.values())
+        rounding = max(one.certificate.gap_rounding for one in contacts)
+        return moved + rounding * sum(abs(term.weight) for term in self.terms)
+
+    @property
     def dissipated(self) -> float | None:
         """Energy that slip has dissipated since the previous state [J/m], per period if any.
 
@@ -163,26 +173,32 @@ class Slip(sie.Kept):
         shear for `contact.partial_slip`. The value is None in rolling, and under a bulk stress. Its
         error is at most `dissipated_error`.
         """
+        # Round-off may make the sum of the energies negative.
+        return None if self._lost is None else max(0.0, self._lost[0])
+
+    @property
+    def dissipated_error(self) -> float | None:
+        """Stated bound of the error of `dissipated` [J/m].
+
+        It is the sum, over `steps`, of products of a load and the error of an approach. This error
+        is at most 3 e p w / E* plus the round-off of heights, with the stated error e and the
+        largest pressure p. The width w is the period or, without a period, the width from the first
+        to the last zone. In a step where one load changes far more than the other, the energy is a
+        small difference of large terms, and its error is larger.
+        """
+        return None if self._lost is None else self._lost[1]
+
+    @cached_property
+    def _lost(self) -> tuple[float, float] | None:
+        """The energy that slip has lost in `steps`, and the bound of its error [J/m]."""
         if self.model == "rolling" or self.bulk_stress:
             return None
         points = {load: LoadPoint.of(found) for load, found in self.contacts.items()}
         points[0.0] = LoadPoint.unloaded(self.solution)
-        # Round-off may make the sum of the energies negative.
-        return max(0.0, float(sum(lost(step, self.friction, points) for step in self.steps)))
-
-    @cached_property
-    def dissipated_error(self) -> float | None:
-        """Stated bound of the error of `dissipated` [J/m].
-
-        The error of an approach is about error p w / E*, with the largest pressure p, plus the
-        round-off of heights. The width w is the period or, without a period, the width from the
-        first to the last zone. The largest such error of the `contacts` counts.
-        """
-        if self.dissipated is None:
-            return None
-        wrong = max((_approach_error(one) for one in self.contacts.values()), default=0.0)
-        load = max((one.load for one in self.contacts.values()), default=0.0)
-        return _OF_APPROACHES * self.friction**2 * load * wrong
+        lost_in_steps = np.array([lost(step, self.friction, points) for step in self.steps])
+        energy, error = lost_in_steps.reshape(-1, 2).sum(axis=0).tolist()
+        # If the load is not given, all loads are in error like the approaches.
+        return energy, error * _by_control(self.solution)
 
     # On the surface, at the ends of zones, the transforms are infinite or nan.
     @np.errstate(divide="ignore", invalid="ignore")
@@ -290,18 +306,12 @@ def stated_error(
 
     ends: error of the ends of zones that stick, divided by the width of their zone of contact.
     """
-    # If the load is not given, it is computed with an error as well. The factor 2 allows for this
-    # error.
-    factor = 1.0 if solution.scene.given_load is not None else 2.0
-    return factor * max(shear_error(solution, terms, friction), ends, solution.error)
+    return _by_control(solution) * max(shear_error(solution, terms, friction), ends, solution.error)
 
 
-def _approach_error(solution: Solution) -> float:
-    """Bound of the error of the approach of a solution [m]."""
-    zones, period = solution.zones, solution.scene.period
-    width = period if period is not None else float(zones[-1, 1] - zones[0, 0])
-    moved = solution.error * unit_pressure(solution.fields) * width / solution.scene.E_star
-    return moved + solution.certificate.gap_rounding
+def _by_control(solution: Solution) -> float:
+    """Factor of errors: 2 if the load is computed from another control, with an error as well."""
+    return 1.0 if solution.scene.given_load is not None else 2.0
 
 
 def shear_error(solution: Solution, terms: tuple[Term, ...], friction: float) -> float:

@@ -93,7 +93,8 @@ def rolling(
     leading : str
         "right" if the contact moves to larger x, "left" if it moves to smaller x.
     tol : float
-        Largest stated error of the zones that stick.
+        Largest stated error of the zones that stick. `Slip.error` also contains the error of
+        `solution`.
 
     Returns
     -------
@@ -174,7 +175,8 @@ class Rolling:
     to_right : bool
         Whether the leading ends of zones are their right ends.
     tol : float
-        Largest stated error of the zones that stick.
+        Largest stated error of the zones that stick. `Slip.error` also contains the error of
+        `solution`.
     """
 
     solution: Solution
@@ -256,7 +258,7 @@ class Rolling:
         return sie.Equation(self.problem.kernel, self.problem.forcing, (condition,), (column,))
 
     def _near(self, equation: sie.Equation, widths: Array) -> tuple[sie.Free, Array] | None:
-        """(stick zones found from the guess `widths`, their widths); None if not converged.
+        """(stick zones found from the guess `widths`, their widths); None if they are not found.
 
         Zones in which nothing sticks vanish in the search and get the width 0; those in which the
         slip would then have the wrong sign are added again.
@@ -275,6 +277,10 @@ class Rolling:
             found = np.zeros(len(contact))
             found[own] = np.diff(table)[:, 0]
             if free.converged:
+                # A stick zone wider than its contact zone spans a gap: the search has joined two
+                # stick zones and lost the slip between them.
+                if (found > (1 + self.tol) * width).any():
+                    return None
                 theta = float(free.density.amplitudes[0])
                 wrong = self._slips_wrongly(free.density, theta, found) & (found == 0.0)
                 if not wrong.any():

@@ -67,7 +67,8 @@ class Errors:
             size = float(np.sum(widths * (1 + np.abs(np.log(widths / datum)))))
         else:
             size = float(np.sum(widths))
-        error = 3 * self.pressure * size / scene.E_star
+        rounding = self.solution.certificate.gap_rounding
+        error = 3 * self.pressure * size / scene.E_star + rounding
         # Without a given point of zero displacement (datum), as for a body on a base, an error of
         # the load changes the approach. So this change is added.
         return error if datum or not stiffness else error + self.load / stiffness
@@ -77,10 +78,10 @@ class Errors:
         solution, stiffness = self.solution, self.solution.stiffness
         if stiffness is None or not np.isfinite(stiffness):
             return None
-        return 4 * solution.error * stiffness**2 / solution.scene.E_star * _crowding(solution)
+        return 4 * solution.error * stiffness**2 / solution.scene.E_star * crowding(solution)
 
 
-def _crowding(solution: Solution) -> float:
+def crowding(solution: Solution) -> float:
     """Largest ratio of the width of a zone to that of a gap next to it, at least 1."""
     zones, widths, period = solution.zones, solution.zone_widths, solution.scene.period
     if period is not None and len(zones):

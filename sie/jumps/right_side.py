@@ -546,12 +546,18 @@ class ForcingJumps(PlacedJumps):
         """
         c, s = half_angles(self.left[k], self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(
-                -1j
-                * np.log(
-                    (c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away
-                )
+            out = -1j * np.log(
+                (c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away
             )
+        # Where B is nearly A, as for jumps close to an end, the logarithm of B / A loses digits.
+        # There 2 arctan(rho sin(phi) / (1 - rho cos(phi))) replaces it, with 1 - rho cos(phi) as a
+        # sum of two terms that do not cancel.
+        rho, (from_left, from_right) = seen.rho[:, None], (e[:, None] for e in seen.from_ends)
+        nearer = np.where(c < s, from_left - 2 * rho * c**2, from_right + 2 * rho * s**2)
+        over = rho * self.sine[k]
+        small = np.abs(over) < 0.5 * np.abs(nearer)
+        out[small] = 2 * np.arctan(over[small] / nearer[small])
+        return np.asarray(out)
 
     def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """Derivative by zeta of `logarithm`, the logarithmic factor in the jumps' transforms."""

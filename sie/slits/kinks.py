@@ -81,8 +81,14 @@ class SlitKink(Kept):
 
     @cached_property
     def _jump_distances(self) -> tuple[float, float]:
-        """Distances of the jump from the slit's left and right end, in half widths of the slit."""
-        return (self.from_left - self.start) / self.half, (self.from_right - self.rest) / self.half
+        """Distances of the jump from the slit's left and right end, in half widths of the slit.
+
+        Their exact sum is 2. In a slit as narrow as the round-off of places the two differences
+        below have another sum, so both are scaled.
+        """
+        left, right = max(self.from_left - self.start, 0.0), max(self.from_right - self.rest, 0.0)
+        width = left + right
+        return (2 * left / width, 2 * right / width) if width > 0.0 else (1.0, 1.0)
 
     @property
     def zeta(self) -> float:

@@ -373,7 +373,7 @@ def _within(
 
     def inside(left: Array) -> Mask:
         slit = np.maximum(np.searchsorted(start, left, side="right") - 1, 0)
-        return np.asarray((left > start[slit]) & (left < start[slit] + length[slit]))
+        return np.asarray((left >= start[slit]) & (left <= start[slit] + length[slit]))
 
     closed = jumps.by_zone.get(zone, np.zeros(0, dtype=np.intp))
     closed = closed[inside(jumps.left[closed])]

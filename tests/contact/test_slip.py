@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import pickle
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 import contact
 from contact.slip.memory import Memory
+from contact.studies.reflected import Reflected
+from contact.studies.scene_families import PiecewiseLinear
 from tests.contact.friction_grid import FrictionGrid
 
 pytestmark = pytest.mark.filterwarnings("ignore::contact.ModelWarning")
@@ -57,6 +60,20 @@ def test_lost_energy_states_the_rounding_of_heights():
         slip = contact.load_history(scene, MU, [(1e-12, 0.0), (1e-12, side * 1e-13)])[1]
         lost.append((slip.dissipated, slip.dissipated_error))
     assert abs(lost[0][0] - lost[1][0]) <= lost[0][1] + lost[1][1]
+
+
+def test_on_a_facet_that_ends_at_its_corners_the_shear_causes_no_strain():
+    """A small load, which the logarithms of the corners at the ends of the zone exceed a lot."""
+    facet = PiecewiseLinear(np.array([-3.4, -2.0, -0.17, 1.8]), np.array([0, 0, 7e-3, 7e-3]), 6.8)
+    solution = solved(facet, PERIODIC, load=1e-9)
+    slip = contact.partial_slip(solution, MU, 0.02 * MU * solution.load)
+    x = solution.zones[0, 0] + 1.4 * np.linspace(0.02, 0.98, 50)
+    stress = slip.stress(x, 0.0 * x)
+    assert np.all(np.abs(stress.xx + solution.pressure(x)) <= stress.error)
+    assert stress.error.max() < 1e-9 * solution.pressure(x).min()
+    mirrored = contact.solve(replace(solution.scene, profile=Reflected(facet)), tol=1e-11)
+    other = contact.partial_slip(mirrored, MU, -0.02 * MU * solution.load)
+    assert abs(slip.shift + other.shift) <= slip.shift_error + other.shift_error
 
 
 @pytest.mark.parametrize("part", [-0.9, -1e-3, 0.3, 0.75])
@@ -214,6 +231,37 @@ def test_all_zones_that_roll_have_one_strain_where_they_stick(leading, part):
     assert len(given.stick_zones) == len(slip.stick_zones) == (1 if part == 0.999 else 2)
 
 
+@dataclass(frozen=True)
+class Cusped(contact.Profile):
+    """Two parabolas that meet at a concave kink, over which there is a gap under any load."""
+
+    left: float
+    right: float
+
+    @property
+    def kinks(self):
+        return np.array([[0.0, -(self.left + self.right)]])
+
+    def height(self, x):
+        return x * np.where(x < 0, 0.5 * x + self.left, 0.5 * x - self.right)
+
+    def slope(self, x):
+        return np.where(x < 0, x + self.left, x - self.right)
+
+
+@pytest.mark.parametrize(("load", "part"), [(0.1, 0.4), (1.3, 0.4), (2.0, 0.61), (2.0, -0.9)])
+@pytest.mark.parametrize("leading", ["right", "left"])
+def test_beside_a_very_narrow_gap_a_wheel_has_one_load_for_one_creepage(load, part, leading):
+    scene = contact.Scene(Cusped(0.1, 0.05), E, ISOLATED, load=load)
+    solution = contact.solve(scene)
+    assert len(solution.zones) == 2
+    slip = contact.rolling(solution, MU, part * MU * load, leading=leading)
+    given = contact.rolling(solution, MU, creepage=slip.creepage, leading=leading)
+    size = MU * load * (slip.error + given.error)
+    assert abs(given.tangential_load - slip.tangential_load) <= size
+    assert given.stick_zones == pytest.approx(slip.stick_zones, abs=1e-9)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_random_wheels_roll_with_one_strain_or_are_refused(seed):
@@ -312,6 +360,45 @@ def test_random_histories_are_those_of_steps_on_a_grid(seed, n):
     by_memory = np.array([slip.dissipated for slip in slips])
     size = (MU * 8e-3) ** 2 / np.pi
     assert np.abs(lost - by_memory).max() < 0.01 * by_memory.sum() + 3e-4 * size
+
+
+BOWL = contact.Polynomial([0.0, -1e-3, 4e-4, 0.0, 1e-5])
+LOSSES = {
+    "cylinder": (contact.Scene(CYLINDER, E, ISOLATED, load=0.3), 1e-3),
+    "bowl": (contact.Scene(BOWL, E, ISOLATED, load=1e-6), math.inf),
+    "datum": (contact.Scene(BOWL, E, contact.Isolated(datum=1.0), load=1e-6), 1e-2),
+    "wave": (contact.Scene(WAVE, E, PERIODIC, load=2e-3), 1e-3),
+    "rough": (contact.Scene(ROUGH, E, PERIODIC, load=2e-3), 1e-2),
+}
+
+
+@pytest.mark.parametrize("name", LOSSES)
+@pytest.mark.parametrize("grows", [True, False])
+@pytest.mark.parametrize("part", [0.1, 1e-3, 1e-5, 1e-7])
+def test_a_segment_loses_what_its_halves_lose(name, grows, part):
+    """Also if one of the two loads, P and that of the zones that stick, changes far more."""
+    scene, largest = LOSSES[name]
+    start, q = scene.load, 0.5 * MU * scene.load
+    end = (1.5 * start, q * (1 + part)) if grows else (start * (1 - part), q)
+    middle = (0.5 * (start + end[0]), 0.5 * end[1])
+    (_, whole), (_, *halves) = (
+        contact.load_history(scene, MU, [(start, 0.0), *points])
+        for points in ([end], [middle, end])
+    )
+    difference = whole.dissipated - sum(half.dissipated for half in halves)
+    stated = whole.dissipated_error + sum(half.dissipated_error for half in halves)
+    assert abs(difference) <= stated
+    assert part < 1e-3 or whole.dissipated_error <= largest * whole.dissipated
+
+
+def test_tips_do_not_make_the_lost_energy_infinite():
+    """Nodes of the quadrature of the pressure round to the places where it is infinite."""
+    at = np.array([-0.9, -0.68, -0.65, -0.58, -0.07, 0.2, 0.5])
+    rough = PiecewiseLinear(at, np.array([2.0, 0.4, 1.1, 0.0, 0.7, 0.3, 1.9]), 1.8)
+    for load in (0.1, 0.5, 1.0, 1.5):
+        scene = contact.Scene(rough, E, PERIODIC, load=load)
+        slip = contact.partial_slip(contact.solve(scene), MU, 0.5 * MU * load)
+        assert 0.0 < slip.dissipated_error < 1e-4 * slip.dissipated < math.inf
 
 
 def test_a_wrong_history_is_noticed():

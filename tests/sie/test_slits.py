@@ -110,6 +110,19 @@ def test_a_kink_beside_a_slit_is_carried():
         assert plain.density.at_t(piece, T) == pytest.approx(slit.density.at_t(piece, T), abs=1e-12)
 
 
+@pytest.mark.parametrize("half", [1e-12, 1e-15, 1e-16, 1e-18, 1e-20])
+@pytest.mark.parametrize("place", [-1.0, 0.0, 0.3, 1.0])
+def test_a_kink_in_a_gap_narrower_than_round_off_is_carried(half, place):
+    found = [
+        solve_zones(
+            equation(sie.cauchy(), (part * one, -0.7)), sie.Zones.of([[-1, -one], [one, 1]])
+        )
+        for one, part in ((half, place), (1e-9, 0.0))
+    ]
+    values = [one.density.at_t(np.array([[0], [1]]), T[1:-1]) for one in found]
+    assert values[0] == pytest.approx(values[1], abs=1e-7)
+
+
 @pytest.mark.parametrize("kernel", quick(KERNELS, KERNELS[1:]), ids=["line", "period", "images"])
 def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel):
     at, first, second = -0.0293, -0.7, 30.0

@@ -231,9 +231,9 @@ def _to_end(p_end: Array, p_next: Array) -> Array:
 
     It is half a cell where p does not decrease towards the end.
     """
-    rise = p_next**2 - p_end**2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(rise > 0.0, np.minimum(p_end**2 / rise, 1.0), 0.5)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        rise = (p_next / p_end) ** 2 - 1.0
+        return np.where(rise > 0.0, np.minimum(1.0 / rise, 1.0), 0.5)
 
 
 def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> tuple[float, float]:
