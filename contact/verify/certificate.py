@@ -184,8 +184,10 @@ def certify(
     )
     note = unresolved_gaps_note(left_out, "their zones") if left_out else ""
     equilibrium = _equilibrium(fields, control) if law.equilibria.several else None
-    # A rough solution is not tested: its ends move the gap by more than its density's error.
-    if not unresolved_fraction and not gaps.on_zones <= _allowed_gap(fields):
+    # A rough solution is not tested: its ends move the gap by more than its density's error. With
+    # wrong signs other zones follow, so that the density's error would be computed in vain.
+    tested = not unresolved_fraction and not negative and len(gaps.overlaps) == 0
+    if tested and not gaps.on_zones <= _allowed_gap(fields):
         holds = False
         note = (
             f"on the zones, where it is zero, the gap comes to {gaps.on_zones * units.height:.1e} "

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import scipy.fft
 
+import sie
 from sie import Array, Complex, record
 
 # Half width and width of the spreading kernel psi, in cells of the grid.
@@ -25,6 +26,8 @@ _STEEP = 0.98 * np.pi * WIDTH * 0.75
 # Number of points that are computed at once, so that the values of their kernels stay in the
 # processor's cache.
 BLOCK = 1 << 14
+# Time of a point, as a number of terms of `sie.in_threads`.
+TERMS_PER_POINT = 300
 
 
 @lru_cache(maxsize=4)
@@ -70,23 +73,33 @@ class Sum:
         Sums of many terms need `rest`.
         """
         out = np.empty(turns.size)
-        for start in range(0, turns.size, BLOCK):
-            place = turns[start : start + BLOCK] * self.n
-            first = np.ceil(place - _HALF)
-            away = place - first
-            if rest is not None:
-                away += rest[start : start + BLOCK] * self.n
-            away /= _HALF
-            with np.errstate(invalid="ignore"):
-                index = first.astype(np.intp) % self.n
-            total = np.zeros(place.size)
-            for j in range(WIDTH):
-                d = away - j / _HALF
-                total += self.values[index + j] * np.exp(
-                    _STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1)
-                )
-            out[start : start + BLOCK] = total
+
+        def blocks(begin: int, end: int) -> None:
+            for start in range(begin * BLOCK, min(end * BLOCK, turns.size), BLOCK):
+                here = slice(start, start + BLOCK)
+                out[here] = self._block(turns[here], None if rest is None else rest[here])
+
+        starts = np.arange(0, turns.size + BLOCK, BLOCK) * TERMS_PER_POINT
+        sie.in_threads(blocks, starts)
         return out
+
+    def _block(self, turns: Array, rest: Array | None) -> Array:
+        """The values at a few places; see `__call__`."""
+        place = turns * self.n
+        first = np.ceil(place - _HALF)
+        away = place - first
+        if rest is not None:
+            away += rest * self.n
+        away /= _HALF
+        with np.errstate(invalid="ignore"):
+            index = first.astype(np.intp) % self.n
+        total = np.zeros(place.size)
+        for j in range(WIDTH):
+            d = away - j / _HALF
+            total += self.values[index + j] * np.exp(
+                _STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1)
+            )
+        return total
 
 
 def coefficients(weights: Array, turns: Array, count: int) -> Complex:

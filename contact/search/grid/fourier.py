@@ -25,7 +25,7 @@ import sie
 from sie import Array
 
 # From this number of values on, a table of short rows saves time.
-MIN_SIZE = 1 << 16
+MIN_SIZE = 1 << 15
 # Number of values in the rows or columns that are transformed at once, so that they stay in the
 # processor's cache. Insensitive to a factor of four.
 BLOCK = 1 << 16
