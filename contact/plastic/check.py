@@ -59,8 +59,9 @@ class _Plateaus(PlasticFields):
 
 def checked(fields: PlasticFields, load: float | None) -> Checked:
     """Check all signs and the load, and that the approach is the same on all elastic intervals."""
-    certificate = certify(fields, load)
-    below = pressure_signs(fields, fields.limit)
+    samples: dict[int, Array] = {}
+    below = pressure_signs(fields, fields.limit, samples)
+    certificate = certify(fields, load, signs=pressure_signs(fields, samples=samples))
     above = np.array([*below.negative, *_tips(fields), *_corners(fields)]).reshape(-1, 2)
     above = above[np.argsort(above[:, 0])]
     opened, least, rounding, points = np.zeros((0, 2)), np.inf, 0.0, 0

@@ -62,7 +62,8 @@ class PlasticLoop:
     @property
     def decay(self) -> float:
         """Truncation tolerance of the coefficients of each elastic zone, relative to the largest.
-        The error of truncated coefficients is magnified beside narrow plateaus and gaps.
+        The error of truncated coefficients is magnified beside narrow plateaus and gaps. So is the
+        error of an iterative solution, which has the same tolerance.
         """
         return max(SEARCH.tight_factor**2 * self.tolerance, LEAST)
 
@@ -81,6 +82,7 @@ class PlasticLoop:
             except sie.SingularSystem as failure:
                 return Failure(f"the equation has no solution on such zones ({failure})", free)
             spots = Spots.of(free.density.zones, free.density.plateaus, self.problem.period)
+            start = sie.WarmStart(modes_like=free.state.sizes if free.state.iterated else None)
             if len(free.lost) or len(free.met):
                 left = self._without_lost(free, spots)
                 if isinstance(left, Failure):
@@ -107,7 +109,10 @@ class PlasticLoop:
 
     def tightened(self, found: SolvedZones) -> SolvedZones | Failure:
         """The contact `found`, solved from its own zones to the tolerance of this loop."""
-        start = sie.WarmStart(initial_error=found.error, modes_like=found.free.state)
+        state = found.free.state
+        start = sie.WarmStart(
+            initial_error=found.error, modes_like=state.sizes if state.iterated else state
+        )
         try:
             free = self.moved(found.free.density.zones, start)
         except sie.SingularSystem as failure:
@@ -139,7 +144,10 @@ class PlasticLoop:
         problem = self.problem
         try:
             options = sie.NewtonOptions(
-                limits=problem.corners, released_end=problem.end, decay=self.decay
+                limits=problem.corners,
+                released_end=problem.end,
+                decay=self.decay,
+                forcing=SEARCH.tight_factor**2,
             )
             return sie.find_ends(
                 problem.equation(self.control), zones, self.tolerance, options, start

@@ -159,15 +159,17 @@ def certify(
     load: float | None,
     control: Control | None = None,
     unresolved_fraction: float = 0.0,
+    signs: Signs | None = None,
 ) -> Certificate:
     """Check the signs of pressure and gap on the whole line, and the load and moment.
 
     Where signs fail, `negative` and `overlaps` of the certificate are not empty. control: the
     control under which the contact has to be stable if there are several equilibria; None: the
-    load. At a given half width it need not be stable. unresolved_fraction: see `openings`.
+    load. At a given half width it need not be stable. unresolved_fraction: see `openings`. signs:
+    the result of `pressure_signs`, if it is known.
     """
     law, units = fields.problem.law, fields.problem.units
-    signs, (valleys, left_out) = pressure_signs(fields), _valleys(fields)
+    signs, (valleys, left_out) = signs or pressure_signs(fields), _valleys(fields)
     negative, dip = list(signs.negative), signs.dip
     if law.pressure_range.has_tension:
         negative, valleys, left_out, dip = [], [], 0, np.inf
@@ -317,23 +319,32 @@ def _moment_balance(fields: ZoneFields) -> float | None:
     return float(abs(fields.scaled_moment - given) / (fields.density.total * reach))
 
 
-def pressure_signs(fields: ZoneFields, limit: float | None = None) -> Signs:
+def pressure_signs(
+    fields: ZoneFields, limit: float | None = None, samples: dict[int, Array] | None = None
+) -> Signs:
     """Signs of the scaled pressure divided by sqrt(1 - t^2), on all zones.
     t is the normalised position in a zone, from -1 to 1.
 
     limit: None, or the scaled limit of the pressure; then the signs are those of the difference
-    limit - pressure.
+    limit - pressure. samples: a store of the sampled pressures, by the number of samples in a zone.
+    Two calls with the same store compute them once.
     """
     density, noise = fields.density, fields.state.noise
+    stored = {} if samples is None else samples
 
-    def over_root(zone: Index, angle: Array) -> Array:
-        left, right = sides(angle)
-        bearing = fields.problem.bearing(density, zone, left, right)
+    def divided(bearing: Array, left: Array, right: Array) -> Array:
         value = bearing if limit is None else limit - bearing
         return np.asarray(value / bounded_weight(density.zones, left, right))
 
+    def over_root(zone: Index, angle: Array) -> Array:
+        left, right = sides(angle)
+        return divided(fields.problem.bearing(density, zone, left, right), left, right)
+
     def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
-        value = over_root(group[:, None], theta)
+        left, right = sides(theta)
+        if len(theta) not in stored:
+            stored[len(theta)] = fields.problem.bearing(density, group[:, None], left, right)
+        value = divided(stored[len(theta)], left, right)
         finite = np.isfinite(value)
         scale = np.abs(np.where(finite, value, 0.0)).max(axis=1)
         return (

@@ -19,7 +19,9 @@ class CoarseOptions:
     # zone varies over another zone. From 1e-4 to 1e-2 the number of iterations is the same.
     tolerance: float = 1e-2
     # The inverse of the coarse matrix is reused for moved zones if the ends' mean motion is at most
-    # this fraction of the zone width, and no end has moved by more than one zone width.
+    # this fraction of the zone width, and no end has moved by more than one zone width. Each zone's
+    # potential by its own load may change by this fraction. It contains the logarithm of the width:
+    # a rim beside a plateau may become a thousand times narrower in one step.
     kept_move: float = 0.1
 
 
@@ -46,7 +48,7 @@ class CoarseOperator:
                 self.entries(ends[:, None], np.arange(len(solved))) / (w * system.multiplicity())
             ).max()
         )
-        self.springs = system.springs
+        self.springs, self.own = system.springs, self._own_potentials(system)
         self.inverse = Inverse(self.entries, len(solved), _OPTIONS.tolerance)
 
     def entries(self, rows: Index, columns: Index) -> Array:
@@ -73,12 +75,21 @@ class CoarseOperator:
             out += kernel.regular_potential(x, xi)
         return np.asarray(w * (out - self.lowered))
 
+    def _own_potentials(self, system: IterativeSystem) -> Array:
+        """Potential on each solved zone for c_0 of the zone itself, divided by the half width."""
+        solved = system.zones.solved
+        w, depth = system.zones.half[solved], system.zones.depth[solved]
+        return np.asarray(
+            np.log(w / (2 * self.kernel.datum)) + depth - self.lowered + system.springs / w
+        )
+
     def serves(self, system: IterativeSystem) -> bool:
         """Whether the inverse may be reused for `system`, whose zones may have moved slightly."""
         zones, move = system.zones, _OPTIONS.kept_move
         if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
             return False
-        if np.any(np.abs(system.springs - self.springs) > move * np.abs(self.springs)):
+        own = self._own_potentials(system)
+        if np.any(np.abs(own - self.own) > move * np.abs(self.own)):
             return False
         moved = np.maximum(np.abs(zones.a - self.zones.a), np.abs(zones.b - self.zones.b))
         part = moved / (self.zones.b - self.zones.a)

@@ -79,12 +79,12 @@ class ExteriorLogarithms(PerZone):
         zone, which, rho = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return cls(zone, which, rho, weights[which])
 
-    def sine_coefficients(self, count: int) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, in the density of each logarithm.
+    def sine_coefficients(self, count: int, k: Index | slice = slice(None)) -> Array:
+        """Coefficients of sin(j theta), j = 1 ... count, in the density of the logarithms k.
         It is the density that the logarithm of the right side causes on a zone next to it.
         """
         j = np.arange(1, count + 1)
-        return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
+        return np.asarray(-2 * self.weight[k, None] * self.rho[k, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
         """(at left ends, at right ends) slopes of the density that each logarithm causes.

@@ -36,8 +36,9 @@ class PlateauSums:
         order = np.argsort(table[:, 0], kind="stable")
         self.table, self.values, self.index = table[order], values[order] / np.pi, order
         self.a, self.half = a, 0.5 * (b - a)
-        sources = Nested(Tree.over(*self.table.T), kept=False)
-        far = FarSum(sources, Nested(Tree.over(a, b), kept=False), kernel)
+        # These sums are computed on new zones in every step of Newton's method. So they count as
+        # repeated sums in the choice of compiled loops.
+        far = FarSum(Nested(Tree.over(*self.table.T)), Nested(Tree.over(a, b)), kernel)
         near = far.near
         self.source, self.shift = near.source, near.shift
         self.start = np.searchsorted(near.target, np.arange(len(a) + 1))

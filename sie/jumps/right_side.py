@@ -431,20 +431,26 @@ class ForcingJumps(PlacedJumps):
             out[zone] += spline.t_coefficients(count)
         return out + self._other_coefficients(zones, count)
 
-    def _other_coefficients(self, zones: Zones, count: int) -> Array:
-        """The part of `t_coefficients` that nearby logarithms and poles cause."""
-        out = self.near_coefficients(zones, count)
+    def _other_coefficients(self, zones: Zones, count: int, counts: Index | None = None) -> Array:
+        """The part of `t_coefficients` that nearby logarithms and poles cause.
+        counts: see `near_coefficients`.
+        """
+        out = self.near_coefficients(zones, count, counts)
         if len(self.poles):
             out += of_sines(self.poles.sine_coefficients(len(zones), count + 1))[:, :count]
         return out
 
-    def near_coefficients(self, zones: Zones, count: int) -> Array:
-        """The part of `t_coefficients` that the logarithms outside but close to zones cause."""
+    def near_coefficients(self, zones: Zones, count: int, counts: Index | None = None) -> Array:
+        """The part of `t_coefficients` that the logarithms outside but close to zones cause.
+        counts: the number of coefficients that each zone needs (Z,); None: `count` for all zones.
+        """
         out = np.zeros((len(zones), count))
         if len(self.near):
-            np.add.at(
-                out, self.near.zone, of_sines(self.near.sine_coefficients(count + 1))[:, :count]
-            )
+            wanted = np.full(len(self.near), count) if counts is None else counts[self.near.zone]
+            for number in np.unique(wanted).tolist():
+                some = np.flatnonzero(wanted == number)
+                own = of_sines(self.near.sine_coefficients(number + 1, some))[:, :number]
+                np.add.at(out[:, :number], self.near.zone[some], own)
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
@@ -455,7 +461,7 @@ class ForcingJumps(PlacedJumps):
         for zone, spline in self.splines.items():
             out[zone, : counts[zone]] += spline.t_coefficients(int(counts[zone]))
         if len(self.near) or len(self.poles):
-            others = self._other_coefficients(zones, out.shape[1])
+            others = self._other_coefficients(zones, out.shape[1], counts)
             out += np.where(np.arange(out.shape[1]) < counts[:, None], others, 0.0)
         return out
 

@@ -12,6 +12,7 @@ import sie
 from sie.dense import modes
 from sie.dense.system import MirrorSymmetry, System
 from sie.density.treecode import Treecode
+from sie.fast.coarse import CoarseOperator
 from sie.fast.system import IterativeSystem
 from sie.fast.zone_sums import Nested, ZoneSums
 from sie.jumps.right_side import ForcingJumps
@@ -272,6 +273,14 @@ class TestCoarseInverse:
         x = Inverse(matrix, count, 1e-12)(b)
         full = matrix(np.arange(count)[:, None], np.arange(count))
         assert np.linalg.norm(full @ x - b) < 1e-9 * np.linalg.norm(full) * np.linalg.norm(x)
+
+    def test_serves_moved_zones_until_one_is_far_narrower(self):
+        zones, kernel = scattered(40, np.random.default_rng(3)), KERNELS["period"]
+        coarse = CoarseOperator(zones, systems(kernel, zones)[1])
+        for part, serves in ((0.8, True), (1e-3, False)):
+            half = zones.half * np.where(np.arange(40) == 20, part, 1.0)
+            moved = sie.Zones.of(np.column_stack((zones.middle - half, zones.middle + half)))
+            assert coarse.serves(systems(kernel, moved)[1]) == serves
 
 
 class TestGmres:
