@@ -21,7 +21,8 @@ from sie import Array
 
 def proposed_spots(scaled: ScaledScene, limit: float, points: int | None) -> tuple[Spots, int]:
     """(first guess of contacts and plateaus, number of grid points), from a contact on a grid.
-    The pressure is at most `limit` [Pa]. It has this value on the plateaus.
+    The pressure is at most `limit` [Pa]. It has this value on the plateaus. If the contact is too
+    narrow for the grid, there are no contacts.
 
     Raises OutOfRange if the contact reaches the border of the part of the profile that is known.
     """
@@ -39,6 +40,8 @@ def proposed_spots(scaled: ScaledScene, limit: float, points: int | None) -> tup
         contacts = np.array([[begin, begin + problem.repeat_length]])
     else:
         contacts = placed(problem, zones_of(state, x, True))
+        if len(contacts) == 0:
+            return Spots(contacts, contacts), found.points
         corners = problem.corners
         for side, edge in enumerate(corners):
             # If a contact ends less than one cell from a sharp corner, it is extended to the

@@ -46,7 +46,11 @@ def found(context: SolveContext) -> SolvedZones:
         with context.plan.timed("coarse search"):
             spots, count = proposed_spots(scaled, context.scene.law.pressure_range.highest, points)
         part.detail = f"{count} points, {counted(len(spots.plateaus), 'plateau')} proposed"
-        outcome = _solved(context, scaled, spots)
+        outcome = (
+            _solved(context, scaled, spots)
+            if spots.full or len(spots.contacts)
+            else Failure("the contact is narrower than the grid tells; give a load")
+        )
         if isinstance(outcome, SolvedZones):
             return outcome
         failure = outcome

@@ -317,6 +317,10 @@ def _check_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
         )
 
 
+# Places in an interval about 0 that split it into uneven parts.
+_UNEVEN = np.array([-1.0, -0.63, 0.09, 0.48, 1.0])
+
+
 def _check_rise(
     name: str,
     of: str,
@@ -329,21 +333,23 @@ def _check_rise(
 
     By the mean value theorem, the primitive rises over a short interval by the interval's length
     times a value of the function there. If the discrepancy of the rise does not become smaller on a
-    shorter interval, it is round-off and no error. So it is if only one half of the interval has
-    the discrepancy.
+    shorter interval, it is round-off and no error. So it is if it differs between uneven parts of
+    the interval by more than its least size.
     """
     wrong, longer, missing = np.ones(len(x), dtype=bool), np.zeros(len(x)), np.zeros(len(x))
     for step in OPTIONS.steps:
         h = np.maximum(step * half, 1e7 * np.spacing(np.abs(x)))
-        g = value(x[:, None] + h[:, None] * np.linspace(-1, 1, 5))
+        places = x[:, None] + h[:, None] * _UNEVEN
+        g = value(places)
         with np.errstate(invalid="ignore"):
-            ends = primitive(x[:, None] + h[:, None] * np.array([-1.0, 0.0, 1.0]))
-            rises = np.diff(ends) / h[:, None]
+            ends = primitive(places)
+            rises = np.diff(ends) / (h[:, None] * np.diff(_UNEVEN))
             low, high, size = g.min(axis=1), g.max(axis=1), np.abs(g).max(initial=0.0)
             # If the primitive has large values, its rise over a short interval may be only
             # round-off.
             slack = (
                 (high - low)
+                + np.ptp(rises, axis=1)
                 + OPTIONS.max_slope_error * size
                 + SUM_ROUNDING * np.abs(ends).max(axis=1) / h
             )

@@ -370,3 +370,15 @@ def test_an_isolated_cell_under_a_limit_ends_at_its_border_from_any_start():
     assert contact.solve_many(scene, [1e3, 1.2e3], control="load")[-1].zones.shape == (1, 2)
     with pytest.raises(contact.OutOfRange, match="border"):
         contact.solve_many(scene, [1e3, 1.5e3, 2e3], control="load")
+
+
+def test_a_contact_too_narrow_for_the_first_grid_is_similar_to_a_wider_one():
+    """A wedge has no length: its plateau is a fixed part of a contact far below its period."""
+    parts = []
+    for approach in (1e-14, 1e-13):
+        wedge = contact.Wedge(2.65e-3, 1.286e-6)
+        law = contact.Plastic(7.74e6)
+        scene = contact.Scene(wedge, 2.7e9, contact.Periodic(), law=law, approach=approach)
+        solution = contact.solve(scene)
+        parts.append(float(np.diff(solution.plateaus).sum() / solution.zone_widths.sum()))
+    assert parts[0] == pytest.approx(parts[1], rel=1e-6)

@@ -83,6 +83,18 @@ def test_a_primitive_of_another_function_is_refused_by_name(primitive):
     solve(sie.Forcing(np.sin, primitive), (sie.ZoneTotals(1.0),))
 
 
+@pytest.mark.parametrize("seed", range(40))
+def test_a_primitive_that_is_rounded_is_no_primitive_of_another_function(seed):
+    """As where a zone is so narrow that the round-off of its places changes heights."""
+    rng = np.random.default_rng(seed)
+    at, unit = rng.uniform(0.9, 1.1), 10 ** rng.uniform(-10.5, -9)
+    zones = at + np.array([[0.0, 2.2e-4], [5e-4, 8e-4]])
+    rounded = sie.Forcing(lambda x: -np.ones_like(x), lambda x: unit * np.round(-x / unit))
+    conditions = (sie.Total(1.0), sie.EqualPotential())
+    equation = sie.Equation(sie.cauchy(), rounded, conditions)
+    sie.solve(equation, sie.Zones.of(zones, sie.SINGULAR, sie.SINGULAR), 1e-3)
+
+
 @pytest.mark.parametrize("potential", [lambda x, xi: np.cos(x - xi), lambda x, xi: -np.sin(x - xi)])
 def test_a_regular_potential_of_another_kernel_is_refused_by_name(potential):
     kernel = sie.cauchy() + sie.Smooth(lambda x, xi: np.cos(x - xi), potential)
