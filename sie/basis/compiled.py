@@ -6,8 +6,9 @@ with the sum, so that processes may fork at any time.
 """
 
 import os
-from collections.abc import Callable
-from functools import cache
+from collections.abc import Callable, Sequence
+from contextvars import copy_context
+from functools import cache, partial
 from threading import Thread
 from types import ModuleType
 from typing import Any
@@ -90,10 +91,33 @@ def in_threads(loop: Callable[..., None], starts: Index, *arguments: Any) -> Non
     inner = np.searchsorted(starts, np.linspace(0, starts[-1], count + 1)[1:-1])
     cuts = [0, *inner.tolist(), len(starts) - 1]
     parts = [(begin, end) for begin, end in zip(cuts[:-1], cuts[1:], strict=True) if begin < end]
-    others = [Thread(target=loop, args=(*part, *arguments)) for part in parts[1:]]
+    together([partial(loop, *part, *arguments) for part in parts])
+
+
+def together(calls: Sequence[Callable[[], Any]]) -> list[Any]:
+    """The results of calls that run at the same time, each in a thread of its own.
+
+    numpy's settings of warnings hold in all threads. An error in one of them is raised here.
+    """
+    results, errors = [None] * len(calls), []
+
+    def run(number: int) -> None:
+        try:
+            results[number] = calls[number]()
+        except BaseException as error:
+            errors.append(error)
+
+    others = [
+        Thread(target=copy_context().run, args=(run, number)) for number in range(1, len(calls))
+    ]
     for thread in others:
         thread.start()
-    if parts:
-        loop(*parts[0], *arguments)
-    for thread in others:
-        thread.join()
+    try:
+        if len(calls):
+            results[0] = calls[0]()
+    finally:
+        for thread in others:
+            thread.join()
+    if errors:
+        raise errors[0]
+    return results

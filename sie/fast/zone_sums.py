@@ -15,7 +15,7 @@ and V. Rokhlin, J. Comput. Phys. 73, 1987, 325-348, here in one dimension and wi
 """
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -249,6 +249,10 @@ class ZoneSums:
         """
         return self.near.size + len(self.far.far) * TERMS
 
+    def _of_near(self, y: Array, rough: bool) -> tuple[Array, Array]:
+        """(transform at the nodes, potential at the middle) of each solved zone, by near zones."""
+        return self.near.transform(y, rough), self.near.potential @ y
+
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
         """Coefficients in U_l of the field on solved zones, and the potential of the field.
 
@@ -257,16 +261,22 @@ class ZoneSums:
         enough.
         """
         leaves = np.append(y, 0.0)[self.lead] * self.scale
-        series, middle, mean = self.far(leaves, rough)
-        mean = mean + self.near.potential @ y
-        at_nodes = self.near.transform(y, rough)
+        sums: list[Callable[[], Any]] = [
+            partial(self.far, leaves, rough),
+            partial(self._of_near, y, rough),
+        ]
+        # Much of the far sum is done by one thread, which leaves time for the near sum.
+        is_long = self.far.terms > 2 * compiled.TERMS_PER_THREAD and compiled.threads() > 1
+        far, near = compiled.together(sums) if is_long else [one() for one in sums]
+        (series, middle, mean), (at_nodes, of_near) = far, near
+        mean = mean + of_near
         if self.smooth is not None:
             seen, potential = self.smooth.at_targets(self.smooth.moments(y))
             at_nodes, middle = at_nodes + seen, middle + potential
         zones, solved = self.zones, self.zones.solved
-        far = 0.5 * series
-        far[:, :-2] -= 0.5 * series[:, 2:]
-        far[:, 0] += 0.5 * series[:, 0]
+        in_u = 0.5 * series
+        in_u[:, :-2] -= 0.5 * series[:, 2:]
+        in_u[:, 0] += 0.5 * series[:, 0]
         rows = np.empty(len(at_nodes))
         for m, group in self.groups:
             if m == 0:
@@ -274,7 +284,7 @@ class ZoneSums:
             place = self.first_row[group][:, None] + np.arange(m)
             u = chebyshev.u_coefficients(at_nodes[place])
             count = min(m, TERMS)
-            u[:, :count] += far[group, :count]
+            u[:, :count] += in_u[group, :count]
             rows[place] = u
             # The potential of U_{k-1} is T_k / k up to a constant. The mean of T_k / k over the
             # angle is 0, and T_k / k at the middle is cos(k pi / 2) / k. So `to_mean` is the mean

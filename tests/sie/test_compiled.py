@@ -78,6 +78,20 @@ def test_threads_share_all_items(terms, threads) -> None:
     assert np.all(done == 1)
 
 
+def test_an_error_in_a_thread_is_raised_and_settings_of_warnings_hold_there(threads) -> None:
+    def loop(begin: int, end: int) -> None:
+        np.log(np.zeros(1))
+        if end == 40:
+            raise MemoryError("the last part")
+
+    with np.errstate(divide="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(MemoryError, match="the last part"):
+            compiled.in_threads(loop, np.arange(41))
+        compiled.in_threads(loop, np.arange(40))
+    assert compiled.together([lambda: 1, lambda: 2]) == [1, 2]
+
+
 @pytest.mark.parametrize(("asked", "most"), [("1", 1), ("", 10**6), ("nothing", 10**6)])
 def test_threads_are_as_many_as_asked_for(asked, most, monkeypatch) -> None:
     monkeypatch.setenv("OMP_NUM_THREADS", asked)
