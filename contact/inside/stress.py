@@ -58,20 +58,26 @@ class Stress:
     xy: Array
     error: Array = field(repr=False)
 
+    # At a tip on the surface s_xx and s_yy are infinite, and their difference is nan.
     @property
+    @np.errstate(invalid="ignore")
     def shear(self) -> Array:
-        """Largest shear stress in the plane [Pa]: the radius of Mohr's circle."""
+        """Largest shear stress in the plane [Pa]: the radius of Mohr's circle.
+        It is nan at a tip on the surface, where the pressure is infinite.
+        """
         return np.asarray(np.hypot(0.5 * (self.xx - self.yy), self.xy))
 
     def zz(self, nu: float) -> Array:
         """Stress out of the plane [Pa] in plane strain, with Poisson's ratio nu."""
         return np.asarray(poisson_ratio("nu", nu) * (self.xx + self.yy))
 
+    @np.errstate(invalid="ignore")
     def mises(self, nu: float) -> Array:
         """Von Mises stress [Pa] in plane strain, with Poisson's ratio nu."""
         mean, out = 0.5 * (self.xx + self.yy), self.zz(nu)
         return np.asarray(np.hypot(np.sqrt(3) * self.shear, mean - out))
 
+    @np.errstate(invalid="ignore")
     def tresca(self, nu: float) -> Array:
         """Largest shear stress on any plane [Pa] in plane strain, with Poisson's ratio nu."""
         mean, radius = 0.5 * (self.xx + self.yy), self.shear

@@ -273,3 +273,10 @@ def test_wrong_places_and_bodies_are_refused_by_name():
     )
     with pytest.raises(contact.SceneError, match="substrate"):
         contact.solve(layer).stress(0.0, 1.0)
+
+
+def test_at_a_tip_on_the_surface_the_shear_stress_is_not_a_number():
+    scene = contact.Scene(contact.Wedge(0.01), 2.0, contact.Isolated(), half_width=1.0)
+    stress = contact.solve(scene).stress([0.0, 0.5], [0.0, 0.0])
+    for value in (stress.shear, stress.mises(0.3), stress.tresca(0.3)):
+        assert np.isnan(value[0]) and value[1] >= 0.0
