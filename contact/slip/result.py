@@ -193,7 +193,8 @@ class Slip(sie.Kept):
         """The energy that slip has lost in `steps`, and the bound of its error [J/m]."""
         if self.model == "rolling" or self.bulk_stress:
             return None
-        points = {load: LoadPoint.of(found) for load, found in self.contacts.items()}
+        needed = {load for step in self.steps for load in (*step.stick, *step.load)} - {0.0}
+        points = {load: LoadPoint.of(self.contacts[load]) for load in needed}
         points[0.0] = LoadPoint.unloaded(self.solution)
         lost_in_steps = np.array([lost(step, self.friction, points) for step in self.steps])
         energy, error = lost_in_steps.reshape(-1, 2).sum(axis=0).tolist()

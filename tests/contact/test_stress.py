@@ -275,6 +275,7 @@ def test_wrong_places_and_bodies_are_refused_by_name():
         contact.solve(layer).stress(0.0, 1.0)
 
 
+@pytest.mark.filterwarnings("error", "ignore::contact.ModelWarning")
 def test_at_a_tip_on_the_surface_the_shear_stress_is_not_a_number():
     scene = contact.Scene(contact.Wedge(0.01), 2.0, contact.Isolated(), half_width=1.0)
     stress = contact.solve(scene).stress([0.0, 0.5], [0.0, 0.0])
