@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 import sie
 from sie import Array
 
-# From this number of values on, a table of short rows saves time.
-MIN_SIZE = 1 << 15
+# From this number of values on, a table of short rows saves time in both precisions.
+MIN_SIZE = 1 << 17
 # Number of values in the rows or columns that are transformed at once, so that they stay in the
 # processor's cache. Insensitive to a factor of four.
 BLOCK = 1 << 16
