@@ -44,6 +44,10 @@ from sie.states.sizes import Sizes, first_sizes, sizes_like
 from sie.states.solve import SingularSystem
 from sie.states.state import State
 
+# With more unknowns than this, a shorter series in the first steps saves time. With fewer unknowns,
+# the linear system costs less than the rest of a step. 128 or 512 would do as well.
+MANY_UNKNOWNS = 256
+
 _CONVERGED = "the ends are at rest"
 _UNSTABLE = (
     "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
@@ -315,9 +319,9 @@ class _Search:
         sizes.linear, sizes.value = progress.linear, self.value
         sizes.rough = sizes.linear > ITERATION.correction
         decay = self.decay
-        if sizes.carried is not None:
-            # For many zones, the series of the density are only as long as the next step's accuracy
-            # requires.
+        unknowns = modes.coupled(self.zones, self.equation.kernel, decay, sizes.least).sum()
+        if sizes.carried is not None or unknowns > MANY_UNKNOWNS:
+            # The series of the density are only as long as the next step's accuracy requires.
             decay = max(decay, min(self.options.first_solution, progress.left_to_solve))
         state = self._state(decay)
         loose = decay > self.decay or (state.iterated and sizes.linear > progress.tightest)
