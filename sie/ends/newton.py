@@ -263,6 +263,7 @@ class _Search:
         start: WarmStart,
     ) -> None:
         zones = equation.weighted(zones)
+        equation.check_count(zones)
         self.equation, self.zones, self.options, self.start = equation, zones, options, start
         self.decay = max(0.1 * tolerance, 3e-16) if options.decay is None else options.decay
         self.value = start.value
