@@ -320,10 +320,16 @@ class _Search:
         sizes.linear, sizes.value = progress.linear, self.value
         sizes.rough = sizes.linear > ITERATION.correction
         decay = self.decay
-        unknowns = modes.coupled(self.zones, self.equation.kernel, decay, sizes.least).sum()
-        if sizes.carried is not None or unknowns > MANY_UNKNOWNS:
+        zones, kernel, loosest = self.zones, self.equation.kernel, self.options.first_solution
+        many = sizes.carried is not None
+        if not many and modes.coupled(zones, kernel, decay, sizes.least).sum() > MANY_UNKNOWNS:
+            # An error of the solution must not close the narrowest gap.
+            many, widths = True, 2 * zones.half
+            gap = float((np.minimum(*modes.gaps(zones, kernel)) / widths).min())
+            loosest = min(loosest, self.options.forcing * gap)
+        if many:
             # The series of the density are only as long as the next step's accuracy requires.
-            decay = max(decay, min(self.options.first_solution, progress.left_to_solve))
+            decay = max(decay, min(loosest, progress.left_to_solve))
         state = self._state(decay)
         loose = decay > self.decay or (state.iterated and sizes.linear > progress.tightest)
         self.zones, is_released = released(self.zones, state.density, self.options)
