@@ -319,17 +319,7 @@ class _Search:
         # the value.
         sizes.linear, sizes.value = progress.linear, self.value
         sizes.rough = sizes.linear > ITERATION.correction
-        decay = self.decay
-        zones, kernel, loosest = self.zones, self.equation.kernel, self.options.first_solution
-        many = sizes.carried is not None
-        if not many and modes.coupled(zones, kernel, decay, sizes.least).sum() > MANY_UNKNOWNS:
-            # An error of the solution must not close the narrowest gap.
-            many, widths = True, 2 * zones.half
-            gap = float((np.minimum(*modes.gaps(zones, kernel)) / widths).min())
-            loosest = min(loosest, self.options.forcing * gap)
-        if many:
-            # The series of the density are only as long as the next step's accuracy requires.
-            decay = max(decay, min(loosest, progress.left_to_solve))
+        decay = self._size_of_last_coefficients()
         state = self._state(decay)
         loose = decay > self.decay or (state.iterated and sizes.linear > progress.tightest)
         self.zones, is_released = released(self.zones, state.density, self.options)
@@ -338,6 +328,20 @@ class _Search:
             # from `state`, which is therefore solved again on the changed zones.
             state = self._state(decay)
         return state, loose, is_released
+
+    def _size_of_last_coefficients(self) -> float:
+        """Relative size of the coefficients at which the series of the next solution end.
+
+        If there are many unknowns, the series are only as long as the accuracy of the next step
+        requires, and long enough that their error does not close the narrowest gap.
+        """
+        zones, kernel, loosest = self.zones, self.equation.kernel, self.options.first_solution
+        if self.sizes.carried is None:
+            if modes.coupled(zones, kernel, self.decay, self.sizes.least).sum() <= MANY_UNKNOWNS:
+                return self.decay
+            gap = float((np.minimum(*modes.gaps(zones, kernel)) / (2 * zones.half)).min())
+            loosest = min(loosest, self.options.forcing * gap)
+        return max(self.decay, min(loosest, self.progress.left_to_solve))
 
     def _state(self, decay: float) -> AnyState:
         """The solution on the present zones, with the present guess of a side condition's value.
