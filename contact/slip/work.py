@@ -10,10 +10,12 @@ in which P is linear in S. It does not depend on the datum of the approach. Let 
 delta(S) over the step, and n that of delta(P). S falls from S_1 to S_2, and P goes from P_1 to P_2.
 With partial integration,
 
-    W = mu change ((P_1 - S_1) (delta(S_1) - m) + (P_2 - S_2) (m - delta(S_2)) + (S_1 - S_2) (m - n)).
+    W = mu change ((P_1 - S_1) (delta(S_1) - m) + (P_2 - S_2) (m - delta(S_2))
+                   + (S_1 - S_2) (m - n)).
 
-A mean is the difference of Phi between both ends, divided by that of the load. If this difference is
-small, the mean follows more exactly from the compliance C = d delta / dP, which falls as P grows.
+A mean is the difference of Phi between both ends, divided by that of the load. If this difference
+is small, the mean follows more exactly from the compliance C = d delta / dP, which falls as P
+grows.
 """
 
 import math
@@ -127,8 +129,8 @@ class Rise(NamedTuple):
     """The mean of the approach delta(P) over a range of loads, and delta at both ends [m].
 
     below: the mean minus delta at the lower end. above: delta at the upper end minus the mean.
-    error: bound of the errors of `below` and `above`. upper_error: bound of the error of delta at the
-    upper end.
+    error: bound of the errors of `below` and `above`. upper_error: bound of the error of delta at
+    the upper end.
     """
 
     mean: float
