@@ -94,8 +94,8 @@ def _shape_moment_of_period(fields: FullFields) -> float:
 def _bounded(pressure: Array) -> Array:
     """The pressure at nodes of a quadrature, with 0 in place of infinite values.
 
-    At a tip the pressure is infinite like a logarithm. A node that rounds to the tip has a weight
-    of the size of round-off, so its value does not count.
+    At a tip the pressure tends to infinity like a logarithm. A node that rounds to the tip has a
+    weight of the size of round-off, so its value does not count.
     """
     return np.asarray(np.where(np.isfinite(pressure), pressure, 0.0))
 

@@ -22,7 +22,7 @@ from sie import Array
 def proposed_spots(scaled: ScaledScene, limit: float, points: int | None) -> tuple[Spots, int]:
     """(first guess of contacts and plateaus, number of grid points), from a contact on a grid.
     The pressure is at most `limit` [Pa]. It has this value on the plateaus. If the contact is too
-    narrow for the grid, there are no contacts.
+    narrow for the grid, the guess has no contacts.
 
     Raises OutOfRange if the contact reaches the border of the part of the profile that is known.
     """

@@ -62,8 +62,9 @@ class PlasticLoop:
     @property
     def decay(self) -> float:
         """Truncation tolerance of the coefficients of each elastic zone, relative to the largest.
-        The error of truncated coefficients is magnified beside narrow plateaus and gaps. So is the
-        error of an iterative solution, which has the same tolerance.
+        The error of truncated coefficients is magnified beside narrow plateaus and gaps. The
+        error of an iterative solution is magnified as well, so this solution has the same
+        tolerance.
         """
         return max(SEARCH.tight_factor**2 * self.tolerance, LEAST)
 

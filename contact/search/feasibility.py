@@ -6,7 +6,8 @@ the body, u is smaller than this bound outside contact. A point of the stretch o
 therefore have a negative gap. So contact is wider than the stretches together under every positive
 load, and narrows to them as the load goes to zero.
 
-Sharp corners: outside its corners a body cannot touch, so that no load makes the contact wider.
+Sharp corners: a body cannot touch outside its sharp corners. So no load makes the contact wider
+than the distance between the corners.
 
 A body on the whole line that falls without bound on one side has no equilibrium under any load. Far
 away the gap is f(x) - tilt x up to a logarithm, so that f must rise faster than tilt x on both
@@ -68,7 +69,7 @@ def refuse_below_plateau(scene: Scene) -> None:
 
 
 def refuse_beyond_corners(scene: Scene) -> None:
-    """Raise OutOfRange for a contact wider than the body between its sharp corners."""
+    """Raise OutOfRange if the given contact is wider than the body between its sharp corners."""
     support, period, fraction = scene.profile.support, scene.profile.period, scene.given_fraction
     if support is None or period is None or fraction is None:
         return

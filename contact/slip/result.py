@@ -92,7 +92,7 @@ class Slip(sie.Kept):
     steps : tuple
         What slipped on the way to this state.
     contacts : mapping
-        The solutions of the loads in `steps` and in `terms`.
+        The solutions under the loads in `steps`, and those whose pressures are in `terms`.
 
     Examples
     --------
@@ -156,7 +156,7 @@ class Slip(sie.Kept):
 
         It is 3 e p w / E* plus the round-off of the approaches. Here e is `error` times the
         friction, and p the largest pressure. The width w is the period or, without a period, the
-        width from the first to the last zone.
+        width from the first to the last zone. The value is None if `shift` is None.
         """
         if self.shift is None:
             return None
@@ -183,8 +183,9 @@ class Slip(sie.Kept):
         It is the sum, over `steps`, of products of a load and the error of an approach. This error
         is at most 3 e p w / E* plus the round-off of heights, with the stated error e and the
         largest pressure p. The width w is the period or, without a period, the width from the first
-        to the last zone. In a step where one load changes far more than the other, the energy is a
-        small difference of large terms, and its error is larger.
+        to the last zone. In some steps the load changes far more, or far less, than the load whose
+        zones stick. There the energy is a small difference of large terms, and its relative error
+        may be larger.
         """
         return None if self._lost is None else self._lost[1]
 
@@ -198,7 +199,7 @@ class Slip(sie.Kept):
         points[0.0] = LoadPoint.unloaded(self.solution)
         lost_in_steps = np.array([lost(step, self.friction, points) for step in self.steps])
         energy, error = lost_in_steps.reshape(-1, 2).sum(axis=0).tolist()
-        # If the load is not given, all loads are in error like the approaches.
+        # If the load is computed from another control, the loads have errors like the approaches.
         return energy, error * _by_control(self.solution)
 
     # On the surface, at the ends of zones, the transforms are infinite or nan.
@@ -311,7 +312,7 @@ def stated_error(
 
 
 def _by_control(solution: Solution) -> float:
-    """Factor of errors: 2 if the load is computed from another control, with an error as well."""
+    """Factor of errors: 1 if the load is given; 2 if it is computed, since it then has an error."""
     return 1.0 if solution.scene.given_load is not None else 2.0
 
 

@@ -13,9 +13,9 @@ With partial integration,
     W = mu change ((P_1 - S_1) (delta(S_1) - m) + (P_2 - S_2) (m - delta(S_2))
                    + (S_1 - S_2) (m - n)).
 
-A mean is the difference of Phi between both ends, divided by that of the load. If this difference
-is small, the mean follows more exactly from the compliance C = d delta / dP, which falls as P
-grows.
+The mean m or n is the difference of Phi between both ends of the step, divided by the difference of
+the load S or P. If the difference of the load is small, the mean follows more exactly from the
+compliance C = d delta / dP, which falls as P grows.
 """
 
 import math
@@ -50,7 +50,8 @@ class LoadPoint:
     """`load` P [N/m], `approach` delta [m] and `work` = int delta dP [J/m] of one contact.
     `error` bounds the error of the approach [m], and that of the work divided by the load.
 
-    compliance: d delta / dP [m^2/N], infinite if it is not known; compliance_error: its bound.
+    compliance: d delta / dP [m^2/N], infinite if it is not known; compliance_error: bound of the
+    error of the compliance.
     """
 
     load: float
@@ -148,7 +149,8 @@ class Rise(NamedTuple):
         mean = (high.work - low.work) / width
         error = (high.load * high.error + low.load * low.error) / width
         error += max(high.error, low.error)
-        # The compliance lies between its values at both ends. It is taken as linear in the load.
+        # The compliance falls as the load grows, so it lies between its values at both ends. It is
+        # taken as linear in the load; `bent` bounds the resulting errors of `above` and `below`.
         bent = width * (
             abs(high.compliance - low.compliance) / 3
             + max(high.compliance_error, low.compliance_error)

@@ -2,15 +2,17 @@
 
     python -m contact.studies.ablation [--only NAME ...] [--ordinary] [--out FILE]
 
-The scenes are 95 ordinary ones, 91 of them of `contact.studies.random_scenes` and four adhesive
-traces, some large ones with hundreds of zones or plateaus, and the extreme ones of
-`contact.studies.bench.extremes` that take no more than about a second. A mechanism is switched off
-by replacing a function, a class attribute or a field of options, in a process of its own. For each
-mechanism the table has the number of scenes that are lost, the number of scenes whose answer
-changes by more than the sum of both stated errors, and the processor time relative to the run with
-everything on. If the object to be replaced does not exist, an error is raised. `--ordinary` leaves
-out the large and the extreme scenes, which take most of the time. `python -m contact.studies.pages
-DIR` sets DIR/ablation.md in docs/ablation.md.
+There are three kinds of scenes. The 95 ordinary scenes are 91 scenes of
+`contact.studies.random_scenes` and four adhesive traces. The large scenes have hundreds of zones or
+plateaus. The extreme scenes are those of `contact.studies.bench.extremes` that take no more than
+about a second.
+
+A mechanism is switched off by replacing a function, a class attribute or a field of options, in a
+process of its own. For each mechanism the table has the number of scenes that are lost, the number
+of scenes whose answer changes by more than the sum of both stated errors, and the processor time
+relative to the run with everything on. If the object to be replaced does not exist, an error is
+raised. `--ordinary` leaves out the large and the extreme scenes, which take most of the time.
+`python -m contact.studies.pages DIR` sets DIR/ablation.md in docs/ablation.md.
 """
 
 from __future__ import annotations
@@ -232,8 +234,8 @@ def adhesive_scene(seed: int) -> contact.Scene:
 def large_scenes() -> list[tuple[contact.Scene, float]]:
     """Scenes with hundreds or thousands of zones, and the tolerance of each.
 
-    The first has so many waves that its grid is coarse. The last three have a hardness of 1.5 or 3
-    times the mean pressure.
+    The first profile has so many waves that its grid is coarse. The last three scenes have a
+    hardness of 1.5 or 3 times the mean pressure.
     """
     large = [Large("waves", partial(self_affine, 40_000), "mean_pressure", 0.005)]
     kinds = ("white_noise", "plateaus", "texture", "rough")
@@ -289,7 +291,10 @@ def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 def compared(on: list[dict[str, Any]], off: list[dict[str, Any]]) -> tuple[str, str, list[float]]:
-    """Numbers of the scenes lost and of those changed, and (seconds on, seconds off) in all."""
+    """(number of scenes lost, number of scenes changed, [seconds on, seconds off]).
+
+    The seconds are sums over the scenes that are solved with the mechanism on and with it off.
+    """
     pairs = list(zip(on, off, strict=True))
     both = [(a, b) for a, b in pairs if a["solved"] and b["solved"]]
     lost = sum(a["solved"] and not b["solved"] for a, b in pairs)

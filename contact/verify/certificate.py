@@ -186,8 +186,9 @@ def certify(
     )
     note = unresolved_gaps_note(left_out, "their zones") if left_out else ""
     equilibrium = _equilibrium(fields, control) if law.equilibria.several else None
-    # A rough solution is not tested: its ends move the gap by more than its density's error. With
-    # wrong signs other zones follow, so that the density's error would be computed in vain.
+    # A rough solution is not tested: its ends move the gap by more than its density's error. If
+    # signs are wrong, the search goes on with other zones. So the test would be in vain, and it
+    # needs the density's error, which takes time.
     tested = not unresolved_fraction and not negative and len(gaps.overlaps) == 0
     if tested and not gaps.on_zones <= _allowed_gap(fields):
         holds = False
@@ -326,8 +327,8 @@ def pressure_signs(
     t is the normalised position in a zone, from -1 to 1.
 
     limit: None, or the scaled limit of the pressure; then the signs are those of the difference
-    limit - pressure. samples: a store of the sampled pressures, by the number of samples in a zone.
-    Two calls with the same store compute them once.
+    limit - pressure. samples: None, or a dict that stores the sampled pressures, with the number of
+    samples in a zone as the key. A second call with the same dict does not compute them again.
     """
     density, noise = fields.density, fields.state.noise
     stored = {} if samples is None else samples

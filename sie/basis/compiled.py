@@ -97,7 +97,7 @@ def in_threads(loop: Callable[..., None], starts: Index, *arguments: Any) -> Non
 def together(calls: Sequence[Callable[[], Any]]) -> list[Any]:
     """The results of calls that run at the same time, each in a thread of its own.
 
-    numpy's settings of warnings hold in all threads. An error in one of them is raised here.
+    numpy's settings of warnings hold in all threads. An error in a thread is raised here.
     """
     results, errors = [None] * len(calls), []
 

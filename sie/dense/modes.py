@@ -30,10 +30,10 @@ from sie.jumps.right_side import ForcingJumps
 
 
 def _for_transforms(sizes: Index) -> Index:
-    """The sizes, above `max_direct_terms` reduced by one: n + 1 then has small prime factors only.
+    """The sizes n; those above `max_direct_terms` are reduced by one to suit fast transforms.
 
-    A fast transform of n values is an FFT of length 2 (n + 1). With n = 192 the prime number 193
-    made it twenty times slower than with n = 191.
+    Then n + 1 has small prime factors only. A fast transform of n values is an FFT of length
+    2 (n + 1). With n = 192 the prime number 193 made it twenty times slower than with n = 191.
     """
     return np.where(sizes > SUMS.max_direct_terms, sizes - 1, sizes)
 

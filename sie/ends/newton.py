@@ -44,8 +44,9 @@ from sie.states.sizes import Sizes, first_sizes, sizes_like
 from sie.states.solve import SingularSystem
 from sie.states.state import State
 
-# With more unknowns than this, a shorter series in the first steps saves time. With fewer unknowns,
-# the linear system costs less than the rest of a step. 128 or 512 would do as well.
+# With more unknowns than this, shorter series of the density in the first steps save time. With
+# fewer unknowns, the linear system costs less than the rest of a step. Insensitive: 128 or 512
+# would do as well.
 MANY_UNKNOWNS = 256
 
 _CONVERGED = "the ends are at rest"
@@ -333,7 +334,8 @@ class _Search:
         """Relative size of the coefficients at which the series of the next solution end.
 
         If there are many unknowns, the series are only as long as the accuracy of the next step
-        requires, and long enough that their error does not close the narrowest gap.
+        requires. Without data of an earlier iterative solution (`carried`), they are also long
+        enough that their error does not close the narrowest gap.
         """
         zones, kernel, loosest = self.zones, self.equation.kernel, self.options.first_solution
         if self.sizes.carried is None:

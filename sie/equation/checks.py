@@ -317,7 +317,7 @@ def _check_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
         )
 
 
-# Places in an interval about 0 that split it into uneven parts.
+# Points of the interval from -1 to 1 that divide it into parts of unequal lengths.
 _UNEVEN = np.array([-1.0, -0.63, 0.09, 0.48, 1.0])
 
 
@@ -333,8 +333,9 @@ def _check_rise(
 
     By the mean value theorem, the primitive rises over a short interval by the interval's length
     times a value of the function there. If the discrepancy of the rise does not become smaller on a
-    shorter interval, it is round-off and no error. So it is if it differs between uneven parts of
-    the interval by more than its least size.
+    shorter interval, it is round-off and no error. The interval is also divided into parts of
+    unequal lengths. If the discrepancy differs between the parts by more than its least size, it
+    is round-off, too.
     """
     wrong, longer, missing = np.ones(len(x), dtype=bool), np.zeros(len(x)), np.zeros(len(x))
     for step in OPTIONS.steps:

@@ -19,9 +19,10 @@ class CoarseOptions:
     # zone varies over another zone. From 1e-4 to 1e-2 the number of iterations is the same.
     tolerance: float = 1e-2
     # The inverse of the coarse matrix is reused for moved zones if the ends' mean motion is at most
-    # this fraction of the zone width, and no end has moved by more than one zone width. Each zone's
-    # potential by its own load may change by this fraction. It contains the logarithm of the width:
-    # a rim beside a plateau may become a thousand times narrower in one step.
+    # this fraction of the zone width, and no end has moved by more than one zone width. The
+    # potential that a zone's own load causes on the zone may change by this fraction, too. This
+    # potential contains the logarithm of the zone's width. Without this limit, the inverse would be
+    # reused for a rim beside a plateau that becomes a thousand times narrower in one step.
     kept_move: float = 0.1
 
 
@@ -76,7 +77,7 @@ class CoarseOperator:
         return np.asarray(w * (out - self.lowered))
 
     def _own_potentials(self, system: IterativeSystem) -> Array:
-        """Potential on each solved zone for c_0 of the zone itself, divided by the half width."""
+        """Mean potential on each solved zone by its own c_0 = 1, divided by the half width."""
         solved = system.zones.solved
         w, depth = system.zones.half[solved], system.zones.depth[solved]
         return np.asarray(

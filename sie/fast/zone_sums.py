@@ -250,7 +250,7 @@ class ZoneSums:
         return self.near.size + len(self.far.far) * TERMS
 
     def _of_near(self, y: Array, rough: bool) -> tuple[Array, Array]:
-        """(transform at the nodes, potential at the middle) of each solved zone, by near zones."""
+        """(transform at the nodes, potential at the middle) of solved zones, due to near zones."""
         return self.near.transform(y, rough), self.near.potential @ y
 
     def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
@@ -265,7 +265,7 @@ class ZoneSums:
             partial(self.far, leaves, rough),
             partial(self._of_near, y, rough),
         ]
-        # Much of the far sum is done by one thread, which leaves time for the near sum.
+        # Much of the far sum runs in one thread. So another one computes the near sum.
         is_long = self.far.terms > 2 * compiled.TERMS_PER_THREAD and compiled.threads() > 1
         far, near = compiled.together(sums) if is_long else [one() for one in sums]
         (series, middle, mean), (at_nodes, of_near) = far, near

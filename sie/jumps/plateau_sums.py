@@ -37,7 +37,7 @@ class PlateauSums:
         self.table, self.values, self.index = table[order], values[order] / np.pi, order
         self.a, self.half = a, 0.5 * (b - a)
         # These sums are computed on new zones in every step of Newton's method. So they count as
-        # repeated sums in the choice of compiled loops.
+        # repeated sums (`kept`) in the decision to load the compiled loops.
         far = FarSum(Nested(Tree.over(*self.table.T)), Nested(Tree.over(a, b)), kernel)
         near = far.near
         self.source, self.shift = near.source, near.shift

@@ -556,8 +556,8 @@ class ForcingJumps(PlacedJumps):
                 (c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away
             )
         # Where B is nearly A, as for jumps close to an end, the logarithm of B / A loses digits.
-        # There 2 arctan(rho sin(phi) / (1 - rho cos(phi))) replaces it, with 1 - rho cos(phi) as a
-        # sum of two terms that do not cancel.
+        # There -i log(B / A) is computed as 2 arctan(rho sin(phi) / (1 - rho cos(phi))), with
+        # 1 - rho cos(phi) as a sum of two terms that do not cancel.
         rho, (from_left, from_right) = seen.rho[:, None], (e[:, None] for e in seen.from_ends)
         nearer = np.where(c < s, from_left - 2 * rho * c**2, from_right + 2 * rho * s**2)
         over = rho * self.sine[k]

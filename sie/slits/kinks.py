@@ -83,8 +83,8 @@ class SlitKink(Kept):
     def _jump_distances(self) -> tuple[float, float]:
         """Distances of the jump from the slit's left and right end, in half widths of the slit.
 
-        Their exact sum is 2. In a slit as narrow as the round-off of places the two differences
-        below have another sum, so both are scaled.
+        Their exact sum is 2. In a slit as narrow as the round-off of positions, the differences
+        `left` and `right` have another sum, so both are scaled.
         """
         left, right = max(self.from_left - self.start, 0.0), max(self.from_right - self.rest, 0.0)
         width = left + right

@@ -75,7 +75,7 @@ class Inverse:
         return np.asarray(self._solved(padded[:, :, None])[self.real][:, 0])
 
     def _solved(self, b: Array) -> Array:
-        """The inverses of the diagonal blocks of the levels made so far, times a stack b.
+        """The inverses of the diagonal blocks of the highest level made so far, times a stack b.
 
         b: right sides of all rows, split into any number of blocks, (blocks, rows, columns).
         """
@@ -99,8 +99,8 @@ def cross(
 ) -> tuple[Array, Array]:
     """(U, V) such that U V' approximates blocks of a matrix, by adaptive cross approximation.
 
-    rows, columns: for each block of a stack (n, rows) and (n, columns), the indices, and a mask of
-    those that count. The other rows and columns of U V' are zero.
+    rows, columns: for each of n blocks, the indices of its rows (n, rows) or of its columns
+    (n, columns), and a mask of those that count. The other rows and columns of U V' are zero.
     """
     (row, real_row), (column, real_column) = rows, columns
     most = min(_OPTIONS.leaf_size, row.shape[1], column.shape[1])

@@ -373,7 +373,10 @@ def test_an_isolated_cell_under_a_limit_ends_at_its_border_from_any_start():
 
 
 def test_a_contact_too_narrow_for_the_first_grid_is_similar_to_a_wider_one():
-    """A wedge has no length: its plateau is a fixed part of a contact far below its period."""
+    """A wedge has no length scale.
+
+    So its plateau is a fixed fraction of a contact that is far narrower than the period.
+    """
     parts = []
     for approach in (1e-14, 1e-13):
         wedge = contact.Wedge(2.65e-3, 1.286e-6)

@@ -63,7 +63,10 @@ def test_lost_energy_states_the_rounding_of_heights():
 
 
 def test_on_a_facet_that_ends_at_its_corners_the_shear_causes_no_strain():
-    """A small load, which the logarithms of the corners at the ends of the zone exceed a lot."""
+    """The load is small.
+
+    The logarithmic terms of the corners at the ends of the zone are far larger than the pressure.
+    """
     facet = PiecewiseLinear(np.array([-3.4, -2.0, -0.17, 1.8]), np.array([0, 0, 7e-3, 7e-3]), 6.8)
     solution = solved(facet, PERIODIC, load=1e-9)
     slip = contact.partial_slip(solution, MU, 0.02 * MU * solution.load)
@@ -376,7 +379,7 @@ LOSSES = {
 @pytest.mark.parametrize("grows", [True, False])
 @pytest.mark.parametrize("part", [0.1, 1e-3, 1e-5, 1e-7])
 def test_a_segment_loses_what_its_halves_lose(name, grows, part):
-    """Also if one of the two loads, P and that of the zones that stick, changes far more."""
+    """This holds also if the load changes far more, or less, than the load whose zones stick."""
     scene, largest = LOSSES[name]
     start, q = scene.load, 0.5 * MU * scene.load
     end = (1.5 * start, q * (1 + part)) if grows else (start * (1 - part), q)

@@ -85,7 +85,7 @@ def test_a_primitive_of_another_function_is_refused_by_name(primitive):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_a_primitive_that_is_rounded_is_no_primitive_of_another_function(seed):
-    """As where a zone is so narrow that the round-off of its places changes heights."""
+    """A zone may be so narrow that the round-off of positions in it changes the heights."""
     rng = np.random.default_rng(seed)
     at, unit = rng.uniform(0.9, 1.1), 10 ** rng.uniform(-10.5, -9)
     zones = at + np.array([[0.0, 2.2e-4], [5e-4, 8e-4]])

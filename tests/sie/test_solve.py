@@ -457,7 +457,7 @@ def test_bounded_densities_are_right_however_close_the_zones(gap):
         forcing_of(form), [sie.Total(form.total), sie.EqualPotential()], form.zones
     ).density
     for i in (0, 1):
-        # Up to 767 modes, of rounding each.
+        # The density is a sum of up to 767 modes, and each mode is rounded.
         assert density.at_t(i, T) == pytest.approx(form.at(T, i), abs=1e-12)
 
 

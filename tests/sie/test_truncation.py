@@ -44,8 +44,9 @@ def test_what_short_series_leave_out_is_stated(gap, pole):
 @pytest.mark.parametrize("wave", [1.0, 30.0, 200.0])
 @pytest.mark.parametrize("noise", [1e-6, 1e-9, 1e-12])
 def test_noise_of_the_right_side_is_stated_and_is_no_more_than_the_waves_let_in(noise, wave):
-    """If all n coefficients were noise, 1/sqrt(1 - t^2) would make n^1.5 of it beside an end. But
-    the coefficients beyond the waves are left out. This holds for the median of several noises.
+    """If all n coefficients were noise, 1/sqrt(1 - t^2) would magnify it by n^1.5 near an end. But
+    the coefficients beyond the waves are left out. The bound is tested for the median of several
+    noises.
     """
     zones, total = sie.Zones.of([[-1.0, 1.0]]), (sie.Total(1.0),)
 

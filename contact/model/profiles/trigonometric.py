@@ -26,7 +26,7 @@ _STEEP = 0.98 * np.pi * WIDTH * 0.75
 # Number of points that are computed at once, so that the values of their kernels stay in the
 # processor's cache.
 BLOCK = 1 << 14
-# Time of a point, as a number of terms of `sie.in_threads`.
+# Time to compute the sum at one point, in units of the time of a term of `sie.in_threads`.
 TERMS_PER_POINT = 300
 
 
@@ -84,7 +84,7 @@ class Sum:
         return out
 
     def _block(self, turns: Array, rest: Array | None) -> Array:
-        """The values at a few places; see `__call__`."""
+        """The values of the sum at one block of places; `turns` and `rest` are as in `__call__`."""
         place = turns * self.n
         first = np.ceil(place - _HALF)
         away = place - first

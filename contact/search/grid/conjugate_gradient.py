@@ -156,12 +156,14 @@ class Influence:
 
     @cached_property
     def roughly(self) -> _SinglePrecision:
-        """Displacement up to a constant, to 1e-6 of its largest value; of all padded points."""
+        """The operator S up to a constant, in single precision, on all padded points.
+        The error of the displacement is 1e-6 of its largest value.
+        """
         return _SinglePrecision(self._in_single_precision, self._compliance)
 
     @cached_property
     def stiffly(self) -> _SinglePrecision:
-        """The pressure D u for a displacement u of all padded points, in single precision."""
+        """The operator D, displacement to pressure, in single precision, on all padded points."""
         return _SinglePrecision(self._in_single_precision, self.stiffness)
 
     @property
@@ -228,12 +230,14 @@ class _SinglePrecision:
         self.factors = Factors(transform, factors / self.largest)
 
     def scaled(self, values: Array) -> tuple[NDArray[np.float32], float]:
-        """(values divided by their largest absolute value, factor of the products with these)."""
+        """(values divided by their largest absolute value, scale).
+        The products of the values are those of the divided values, times the scale.
+        """
         unit = float(np.abs(values).max()) or 1.0
         return (values / unit).astype(np.float32), unit * self.largest
 
     def response(self, inside: Index, values: Array) -> Array:
-        """The products at the points `inside`, for values at these points and zeros elsewhere."""
+        """The products at the points `inside`, if the values are given there and zero elsewhere."""
         scaled, scale = self.scaled(values)
         full = np.zeros(self.size, dtype=np.float32)
         full[inside] = scaled

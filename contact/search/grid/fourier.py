@@ -1,15 +1,16 @@
-"""Multiplication by real factors in Fourier space, by transforms whose short rows are fast.
+"""Multiplication by real factors in Fourier space, by short transforms instead of a long one.
 
-Real values x of even number N are taken as N/2 complex values z_m = x_2m + i x_(2m+1). They are
-written into a table with n1 rows and n2 columns, n1 n2 = N/2. Transforms of the columns, factors
-("turns") and transforms of the rows give the transform Z of z, whose wave k1 + n1 k2 stands at row
-k1 and column k2 (D. H. Bailey, J. Supercomputing 4, 1990, 23-35). Short transforms of many rows at
-once use the vector operations and the caches of the processor, and several processors. So they
-take less than half of the time of one long transform.
+Let N be even. N real values x are taken as N/2 complex values z_m = x_2m + i x_(2m+1). These are
+written into a table with n1 rows and n2 columns, n1 n2 = N/2. The columns are transformed, the
+table is multiplied by unit complex factors ("turns"), and the rows are transformed. The result is
+the transform Z of z, whose wave k1 + n1 k2 stands in row k1 and column k2 (D. H. Bailey, J.
+Supercomputing 4, 1990, 23-35). Short transforms of many rows at once make use of vector operations
+and caches, and several processors can share them. So they take less than half of the time of one
+long transform.
 
-Let f_k be the factors, k = 0 ... N/2, s_k and d_k the half sum and half difference of f_k and
-f_(N/2-k), and theta_k = 2 pi k / N. The transform of the product is, with the even and odd parts of
-x expressed by Z,
+Let f_k be the real factors, k = 0 ... N/2. Let s_k and d_k be the half sum and the half difference
+of f_k and f_(N/2-k), and theta_k = 2 pi k / N. The product consists of N real values, too. Taken
+as complex values in the same way, they have the transform
 
     Z'_k = (s_k - d_k sin theta_k) Z_k + i d_k cos theta_k conj(Z_(N/2-k)).
 """
@@ -29,22 +30,24 @@ MIN_SIZE = 1 << 17
 # Number of values in the rows or columns that are transformed at once, so that they stay in the
 # processor's cache. Insensitive to a factor of four.
 BLOCK = 1 << 16
-# Time of the transform of one value, as a number of terms of `sie.in_threads`.
+# Time of a transform divided by its number of values, in units of the time of a term of
+# `sie.in_threads`.
 TERMS_PER_VALUE = 4
 
 
 class Transform:
-    """Table for the transforms of `size` real values of one type.
+    """Table for the transforms of `size` real values of the type `kind`.
 
-    `turns` are the factors between the transforms of columns and of rows. A table of one row is not
-    used: then numpy's order of a real transform is used instead.
+    The table is multiplied by `turns` between the transforms of columns and those of rows. If
+    `rows` is 1, there is no table, and `Factors` takes an ordinary real transform.
     """
 
     def __init__(self, size: int, kind: type[np.floating[Any]] = np.float64) -> None:
         self.size, self.kind = size, np.dtype(kind)
         self.complex = np.result_type(kind, np.complex64)
         half, odd = divmod(size, 2)
-        # The number of rows is a power of two, near the square root of the number of values.
+        # The number of rows is a power of two that divides the number N/2 of complex values. It is
+        # at most about the square root of this number.
         is_long = size >= MIN_SIZE and not odd
         self.rows = min(half & -half, 2 ** (half.bit_length() // 2)) if is_long else 1
         self.columns = half // self.rows
@@ -66,7 +69,7 @@ class Transform:
         sie.in_threads(run, np.arange(count + 1) * (self.size // count * TERMS_PER_VALUE))
 
     def of_columns(self, part: slice, pairs: NDArray[Any], z: NDArray[Any]) -> None:
-        """Set some columns of z to the transforms of these columns, times the `turns`."""
+        """Set some columns of z to the transforms of these columns of `pairs`, times `turns`."""
         of_part = scipy.fft.fft(pairs[:, part], axis=0)
         np.multiply(of_part, self.turns[:, part], out=z[:, part])
 
@@ -98,7 +101,9 @@ class Factors:
         self.other = self._table(difference * np.cos(theta))
 
     def _table(self, of_waves: Array) -> NDArray[Any]:
-        """Numbers for all waves k, in the order of the table, repeated for both parts of Z."""
+        """Numbers for all waves k in the order of the table, each one twice.
+        They multiply the real and the imaginary part of Z.
+        """
         table = of_waves.reshape(-1, self.transform.rows).T.astype(self.transform.kind)
         return np.repeat(table, 2, axis=1)
 
@@ -120,10 +125,11 @@ class Factors:
         return np.asarray(out.view(transform.kind).ravel())
 
     def _back_to_rows(self, rows: slice, parts: NDArray[Any], out: NDArray[Any]) -> None:
-        """Set some rows of `out` to the inverse transforms of these rows of Z', over the `turns`.
+        """Set some rows of `out` to the inverse transforms of these rows of Z', divided by `turns`.
 
-        parts: real and imaginary parts of Z. In reverse order they are those of
-        i conj(Z_(N/2-k)). In row 0, wave 0 is its own mirror image and stays first.
+        parts: real and imaginary parts of Z, alternately. In reverse order they are the real and
+        imaginary parts of i conj(Z_(N/2-k)). In row 0, wave 0 is its own mirror image and stays
+        first.
         """
         transform = self.transform
         mirrored = parts[-np.arange(rows.start, rows.stop) % transform.rows, ::-1]
