@@ -49,7 +49,7 @@ def found(context: SolveContext) -> SolvedZones:
         outcome = (
             _solved(context, scaled, spots)
             if spots.full or len(spots.contacts)
-            else Failure("the contact is narrower than the grid tells; give a load")
+            else Failure("the contact is narrower than a cell of the grid; give a load")
         )
         if isinstance(outcome, SolvedZones):
             return outcome

@@ -41,7 +41,6 @@ from contact.studies.bench.large_scenes import Large, self_affine, trace_of_kind
 from contact.studies.bench.report import Table
 from contact.studies.random_scenes import Drawn, draw
 from contact.studies.trace_kinds import self_affine_heights
-from sie.dense.modes import OPTIONS
 
 
 @dataclass(frozen=True)
@@ -179,9 +178,6 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
     ),
     "zones between the points of a grid": (
         Switch("contact.search.grid.nested_grids:_zones_between", _no_zones),
-    ),
-    "more modes beside plateaus": (
-        Switch("sie.dense.modes:MAX_MODES_WITH_VALUES", lambda old: OPTIONS.max_modes),
     ),
     "foreseen snap into full contact": (
         Switch("contact.adhesion.full_contact:closing_foreseen", _no_context),
@@ -340,7 +336,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", nargs="+", choices=list(MECHANISMS), default=list(MECHANISMS))
     parser.add_argument("--patience", type=float, default=20.0, help="seconds for one scene")
-    parser.add_argument("--ordinary", action="store_true", help="leave out other scenes")
+    parser.add_argument("--ordinary", action="store_true", help="only ordinary scenes")
     parser.add_argument("--one", help="measure one mechanism and print its figures")
     parser.add_argument("--out", type=Path)
     given = parser.parse_args()

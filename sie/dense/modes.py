@@ -84,11 +84,6 @@ COUPLED_SIZES = _for_transforms(
     np.concatenate(([0, 4, 6], np.outer(2 ** np.arange(9), [8, 10, 12]).ravel()))
 )
 
-# Largest number of modes of a zone if ends have given values. Narrow gaps between such zones are no
-# slits, and a gap of 1e-4 of the zone needs about 1200 modes for eight digits. With 767 modes, the
-# field of a rough zone was in error by 2e-7 on a narrow zone; beyond 1500 modes round-off grows.
-MAX_MODES_WITH_VALUES = 1279
-
 
 def most(kernel: Kernel) -> int:
     """Largest number of modes of a zone that enter the linear system, for the given kernel."""
@@ -200,12 +195,11 @@ def most_own(zones: Zones) -> int:
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Number m of modes of each zone (Z,) that enter the linear system for all zones.
 
-    Unless `max_modes` or `MAX_MODES_WITH_VALUES` limits m, rho^m is below the tolerance, with rho
-    of the nearest end of another zone (see `decay`).
+    Unless `max_modes` limits m, rho^m is below the tolerance, with rho of the nearest end of another
+    zone (see `decay`).
     """
     by = decay(zones, kernel)
-    limit = MAX_MODES_WITH_VALUES if zones.have_values else OPTIONS.max_modes
-    want = np.minimum(-np.log(tolerance) / np.maximum(by, 1e-3), limit)
+    want = np.minimum(-np.log(tolerance) / np.maximum(by, 1e-3), OPTIONS.max_modes)
     return COUPLED_SIZES[
         np.searchsorted(COUPLED_SIZES, np.maximum(want, np.minimum(least, most(kernel))))
     ]
