@@ -41,6 +41,7 @@ from contact.studies.bench.large_scenes import Large, self_affine, trace_of_kind
 from contact.studies.bench.report import Table
 from contact.studies.random_scenes import Drawn, draw
 from contact.studies.trace_kinds import self_affine_heights
+from sie import Array
 
 
 @dataclass(frozen=True)
@@ -121,10 +122,6 @@ def _none_for_all(old: Any) -> Any:
     return lambda scenes, tol: [None] * len(scenes)
 
 
-def _no_zones(old: Any) -> Any:
-    return lambda *args: np.empty((0, 2))
-
-
 def _no_context(old: Any) -> Any:
     return lambda *args, **kwargs: contextlib.nullcontext()
 
@@ -177,7 +174,7 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
         Switch("contact.search.grid.nested_grids:OPTIONS", with_fields(many_features=10**9)),
     ),
     "zones between the points of a grid": (
-        Switch("contact.search.grid.nested_grids:_zones_between", _no_zones),
+        Switch("contact.search.grid.nested_grids:_zones_between", returning(np.empty((0, 2)))),
     ),
     "foreseen snap into full contact": (
         Switch("contact.adhesion.full_contact:closing_foreseen", _no_context),
@@ -286,26 +283,29 @@ def changed(one: dict[str, Any], other: dict[str, Any]) -> bool:
     return bool((np.abs(zones - others) / width).max() > one["error"] + other["error"] + 1e-13)
 
 
-def compared(on: list[dict[str, Any]], off: list[dict[str, Any]]) -> tuple[str, str, list[float]]:
-    """(number of scenes lost, number of scenes changed, [seconds on, seconds off]).
+def compared(on: list[dict[str, Any]], off: list[dict[str, Any]]) -> tuple[str, str, Array]:
+    """(number of scenes lost, number of scenes changed, seconds with and without the mechanism).
 
-    The seconds are sums over the scenes that are solved with the mechanism on and with it off.
+    The seconds (n, 2) are those of the scenes that are solved both with and without it.
     """
     pairs = list(zip(on, off, strict=True))
     both = [(a, b) for a, b in pairs if a["solved"] and b["solved"]]
     lost = sum(a["solved"] and not b["solved"] for a, b in pairs)
-    seconds = [sum(pair[side]["seconds"] for pair in both) for side in (0, 1)]
+    seconds = np.array([(a["seconds"], b["seconds"]) for a, b in both])
     return str(lost), str(sum(changed(a, b) for a, b in both)), seconds
+
+
+def ratio(seconds: Array) -> str:
+    """The time of all scenes without a mechanism, divided by the time with it."""
+    on, off = seconds.sum(axis=0)
+    return f"{off / on:.2f}"
 
 
 def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
     """Return the table row of a mechanism, from the results `on` with it and `off` without it."""
-    pairs = list(zip(on["ordinary"], off["ordinary"], strict=True))
-    ratios = [
-        b["seconds"] / max(a["seconds"], 1e-4) for a, b in pairs if a["solved"] and b["solved"]
-    ]
     lost, others, seconds = compared(on["ordinary"], off["ordinary"])
-    cells = [lost, others, f"{np.median(ratios):.2f}", f"{seconds[1] / seconds[0]:.2f}"]
+    ratios = seconds[:, 1] / np.maximum(seconds[:, 0], 1e-4)
+    cells = [lost, others, f"{np.median(ratios):.2f}", ratio(seconds)]
     if not off["extreme"]:
         return (name, *cells, "not run", "", "", "not run", "")
     lost, others, seconds = compared(on["large"], off["large"])
@@ -314,7 +314,7 @@ def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
     return (
         name,
         *cells,
-        *(lost, others, f"{seconds[1] / seconds[0]:.2f}"),
+        *(lost, others, ratio(seconds)),
         *(f"{within} of {len(off['extreme'])}", f"{extremes[1] / extremes[0]:.2f}"),
     )
 

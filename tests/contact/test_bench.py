@@ -303,7 +303,7 @@ class TestRuns:
                     (tmp_path / "out" / name).read_text(),
                     re.MULTILINE,
                 ), name
-        # What is measured is told as it comes.
+        # Progress is reported after each measurement.
         assert "wave 2a/L=0.4: " in result.stderr and "zones, equal, 7: " in result.stderr
         with (tmp_path / "out" / "precision.csv").open() as stream:
             table = list(csv.DictReader(stream))

@@ -228,7 +228,7 @@ def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():
 
 
 class TestCoarseInverse:
-    """Of the matrix of logarithms that ties the zones' loads."""
+    """Inverse of the matrix of logarithms that couples the loads of the zones."""
 
     @pytest.fixture
     def matrix(self):

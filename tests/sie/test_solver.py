@@ -31,7 +31,7 @@ def problem(form):
 
 
 def true_error(found, form):
-    """What `Solution.error` bounds, from the closed form."""
+    """The errors that `Solution.error` bounds, from the closed form."""
     table = found.zones.table
     ends = np.abs(table - form.zones).max(axis=1) / (table[:, 1] - table[:, 0])
     root = np.sqrt(1 - T * T)

@@ -147,8 +147,13 @@ class Influence:
         return cls(n, h, E, False, compliance, _wave_stiffness(2 * n, h, E), float(offset))
 
     @cached_property
+    def transform(self) -> Transform:
+        """The transform of all padded points, in double precision."""
+        return Transform(self.size)
+
+    @cached_property
     def _exactly(self) -> Factors:
-        return Factors(Transform(self.size), self._compliance)
+        return Factors(self.transform, self._compliance)
 
     @cached_property
     def _in_single_precision(self) -> Transform:
@@ -486,7 +491,9 @@ class _Run:
         self.iterations += 1
         mean = float(shape.mean())
         level = mean + self.influence.yields * load / (n * h)
-        p = load / (n * h) - Factors(Transform(n), self.influence.stiffness)(shape - mean)
+        p = load / (n * h) - Factors(self.influence.transform, self.influence.stiffness)(
+            shape - mean
+        )
         roundoff = EPS * (
             self.influence.E / h * float(np.max(np.abs(shape - mean))) + load / (n * h)
         )
