@@ -114,8 +114,31 @@ def _plain_steps(old: Any) -> Any:
     return lambda self, k, slopes, plain: plain
 
 
-def _first_argument(old: Any) -> Any:
-    return lambda problem, found, *rest: found
+def _found_so_far(old: Any) -> Any:
+    return lambda context, found, *rest: found
+
+
+def _same_motion(old: Any) -> Any:
+    return lambda motion, *rest: motion
+
+
+def _longest_series(old: Any) -> Any:
+    return lambda search: search.decay
+
+
+def _tightest_tolerance(old: Any) -> Any:
+    return property(lambda progress: progress.tightest)
+
+
+def _residual_itself(old: Any) -> Any:
+    return lambda extension, residual: residual - residual.mean()
+
+
+def _whole_cells(old: Any) -> Any:
+    def off(state: Any, cells: Any, first: int, E: float) -> tuple[float, float]:
+        return first + 0.5 * (len(cells) - 1), 0.5 * len(cells) * state.influence.h
+
+    return off
 
 
 def _none_for_all(old: Any) -> Any:
@@ -135,12 +158,28 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
     "Newton steps of ends near a jump": (
         Switch("sie.ends.step_models:StepAtJumps.steps", _plain_steps),
     ),
+    "shorter series in the first Newton steps": (
+        Switch("sie.ends.newton:_Search._size_of_last_coefficients", _longest_series),
+    ),
+    "loosely solved first Newton steps": (
+        Switch("sie.ends.progress:Progress.linear", _tightest_tolerance),
+    ),
+    "Newton steps of narrow rims in other variables": (
+        Switch("sie.ends.rims:with_rim_steps", _same_motion),
+    ),
+    "shorter steps of rims that alternate": (
+        Switch("sie.ends.rims:without_alternation", _same_motion),
+    ),
     "narrow gaps as slits": (Switch("sie.slits.slits:merge", returning(None)),),
     "splines for many jumps": (
         Switch("sie.jumps.spline:OPTIONS", with_fields(min_jumps=10**9, min_density_jumps=10**9)),
     ),
     "fast sums and GMRES": (Switch("sie.fast.system:unfit", returning("switched off")),),
     "far sums by a tree": (Switch("sie.trees.far:reaches", returning(False)),),
+    "smooth kernels by panels": (Switch("sie.trees.panels:panels_over", returning(None)),),
+    "coarse inverse kept for moved zones": (
+        Switch("sie.fast.coarse:CoarseOperator.serves", returning(False)),
+    ),
     "one zone in closed form": (
         Switch("contact.closed.solve:solve_closed", returning(None)),
         Switch("contact.closed.solve:solve_all_closed", _none_for_all),
@@ -152,11 +191,14 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
         Switch("contact.search.strategies.guesses:GUESSES", without("one zone")),
     ),
     "search by loads": (Switch("contact.search.find:STRATEGIES", without("loads")),),
+    "a second solution, to a smaller tolerance": (
+        Switch("contact.search.strategies.tightening:tightened", _found_so_far),
+    ),
     "half of a symmetric contact": (
         Switch("contact.search.topology.pressure_form:is_symmetric", returning(False)),
     ),
     "zones after gaps, if these are less precise": (
-        Switch("contact.search.refine:_by_zones", _first_argument),
+        Switch("contact.search.refine:_by_zones", _found_so_far),
     ),
     "predictor of driving forces": (
         Switch("contact.adhesion.gradient_flow:_predictor", returning(None)),
@@ -172,6 +214,18 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
     ),
     "a looser grid for many zones": (
         Switch("contact.search.grid.nested_grids:OPTIONS", with_fields(many_features=10**9)),
+    ),
+    "a coarser grid as the start of a finer one": (
+        Switch("contact.search.grid.nested_grids:_refine", returning(None)),
+    ),
+    "preconditioner of a grid": (
+        Switch("contact.search.grid.conjugate_gradient:_Extension.precondition", _residual_itself),
+    ),
+    "narrow zones of a grid as Hertz contacts": (
+        Switch("contact.search.grid.nested_grids:_hertz", _whole_cells),
+    ),
+    "gaps between the points of a grid": (
+        Switch("contact.search.grid.nested_grids:_gaps_between", returning(np.empty((0, 2)))),
     ),
     "zones between the points of a grid": (
         Switch("contact.search.grid.nested_grids:_zones_between", returning(np.empty((0, 2)))),
@@ -326,7 +380,8 @@ def main(names: list[str], options: list[str], out: Path | None) -> None:
         return measured("contact.studies.ablation", "--one", name, *options)
 
     on = run("")
-    rows = [row("nothing", on, on)]
+    # The second run with all mechanisms on shows by how much times differ at random.
+    rows = [row("nothing", on, run(""))]
     for name in names:
         rows.append(row(name, on, run(name)))
         publish(Table("ablation", "each mechanism off in turn", COLUMNS, rows), [], out)
