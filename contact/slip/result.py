@@ -19,7 +19,7 @@ from contact.inside.stress import Stress, stress_from, tension_along
 from contact.model.checks import real
 from contact.model.units import counted, quantity
 from contact.slip.memory import SlipStep
-from contact.slip.work import OF_DISPLACEMENT, LoadPoint, displacement_unit, lost
+from contact.slip.work import OF_DISPLACEMENT, LoadPoint, displacement_unit, dissipated_energy
 from contact.solution.solution import Solution
 from sie import Array
 
@@ -197,7 +197,9 @@ class Slip(sie.Kept):
         needed = {load for step in self.steps for load in (*step.stick, *step.load)} - {0.0}
         points = {load: LoadPoint.of(self.contacts[load]) for load in needed}
         points[0.0] = LoadPoint.unloaded(self.solution)
-        lost_in_steps = np.array([lost(step, self.friction, points) for step in self.steps])
+        lost_in_steps = np.array(
+            [dissipated_energy(step, self.friction, points) for step in self.steps]
+        )
         energy, error = lost_in_steps.reshape(-1, 2).sum(axis=0).tolist()
         # If the load is computed from another control, the loads have errors like the approaches.
         return energy, error * _by_control(self.solution)

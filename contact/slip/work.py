@@ -106,18 +106,23 @@ def first_approach(solution: Solution) -> float:
     return -maximum(lambda at: -fields.standing_shape(at), x)[1] * fields.problem.units.height
 
 
-def lost(step: SlipStep, friction: float, points: dict[float, LoadPoint]) -> tuple[float, float]:
+def dissipated_energy(
+    step: SlipStep, friction: float, points: dict[float, LoadPoint]
+) -> tuple[float, float]:
     """Energy that slip dissipates in `step`, and the bound of its error [J/m].
     `points` maps each load that occurs in `step` to its contact.
     """
     high, low = (points[load] for load in step.stick)
     first, last = (points[load] for load in step.load)
-    sticks, loads = Rise.between(low, high), Rise.between(*sorted((first, last), key=_load))
-    fallen, before, after = high.load - low.load, first.load - high.load, last.load - low.load
-    energy = before * sticks.above + after * sticks.below + fallen * (sticks.mean - loads.mean)
-    error = (abs(before) + abs(after) + fallen) * sticks.error + fallen * (
-        loads.error + sticks.upper_error + loads.upper_error
-    )
+    sticks = ApproachRise.between(low, high)
+    loads = ApproachRise.between(*sorted((first, last), key=_load))
+    # The fall S_1 - S_2 of the stick load, and the excess P - S of the load in both states.
+    stick_drop = high.load - low.load
+    first_excess, last_excess = first.load - high.load, last.load - low.load
+    energy = first_excess * sticks.above + last_excess * sticks.below
+    energy += stick_drop * (sticks.mean - loads.mean)
+    error = (abs(first_excess) + abs(last_excess) + stick_drop) * sticks.error
+    error += stick_drop * (loads.error + sticks.upper_error + loads.upper_error)
     size = friction * step.change
     return size * energy, size * error
 
@@ -126,7 +131,7 @@ def _load(point: LoadPoint) -> float:
     return point.load
 
 
-class Rise(NamedTuple):
+class ApproachRise(NamedTuple):
     """The mean of the approach delta(P) over a range of loads, and delta at both ends [m].
 
     below: the mean minus delta at the lower end. above: delta at the upper end minus the mean.
@@ -141,8 +146,8 @@ class Rise(NamedTuple):
     upper_error: float
 
     @classmethod
-    def between(cls, low: LoadPoint, high: LoadPoint) -> "Rise":
-        """The `Rise` from the contact `low` to the contact `high`, which has a larger load."""
+    def between(cls, low: LoadPoint, high: LoadPoint) -> "ApproachRise":
+        """The rise from the contact `low` to the contact `high`, which has a larger load."""
         width = high.load - low.load
         if width == 0.0:
             return cls(high.approach, 0.0, 0.0, 0.0, high.error)
@@ -150,13 +155,14 @@ class Rise(NamedTuple):
         error = (high.load * high.error + low.load * low.error) / width
         error += max(high.error, low.error)
         # The compliance falls as the load grows, so it lies between its values at both ends. It is
-        # taken as linear in the load; `bent` bounds the resulting errors of `above` and `below`.
-        bent = width * (
+        # taken as linear in the load; `bound` is that of the resulting errors of `above` and
+        # `below`.
+        bound = width * (
             abs(high.compliance - low.compliance) / 3
             + max(high.compliance_error, low.compliance_error)
         )
-        if bent < error:
+        if bound < error:
             above = width * (2 * high.compliance + low.compliance) / 6
             below = width * (high.compliance + 2 * low.compliance) / 6
-            return cls(high.approach - above, below, above, bent, high.error)
+            return cls(high.approach - above, below, above, bound, high.error)
         return cls(mean, mean - low.approach, high.approach - mean, error, high.error)

@@ -47,19 +47,21 @@ class Inverse:
         first = np.arange(2**depth + 1) * count // 2**depth
         size = np.diff(first)
         place = np.arange(size.max())
-        self.real = place < size[:, None]
+        self.is_row = place < size[:, None]
         self.index = first[:-1, None] + np.minimum(place, size[:, None] - 1)
         # Explicit inverses of the leaves are faster to apply than LU factors. Their round-off is
         # far below `tolerance`.
         leaves = entries(self.index[:, :, None], self.index[:, None, :])
-        both = self.real[:, :, None] & self.real[:, None, :]
+        both = self.is_row[:, :, None] & self.is_row[:, None, :]
         self.leaves = np.linalg.inv(np.where(both, leaves, np.eye(len(place))))
         # For each level, from the leaves to the root: V', W and the inverse of the small matrix.
         self.levels: list[tuple[Array, Array, Array]] = []
         for level in range(depth):
             nodes = 2 ** (depth - level)
-            rows, real = self.index.reshape(nodes, -1), self.real.reshape(nodes, -1)
-            u, v = cross(entries, (rows, real), (_siblings(rows), _siblings(real)), tolerance)
+            rows, is_row = self.index.reshape(nodes, -1), self.is_row.reshape(nodes, -1)
+            u, v = cross_approximation(
+                entries, (rows, is_row), (_siblings(rows), _siblings(is_row)), tolerance
+            )
             w, of_sibling = self._solved(u), v.transpose(0, 2, 1)
             rank = u.shape[2]
             small = np.zeros((nodes // 2, 2, rank, 2, rank))
@@ -71,8 +73,8 @@ class Inverse:
 
     def __call__(self, b: Array) -> Array:
         """The product (n,) of the approximate inverse with the vector b (n,)."""
-        padded = np.where(self.real, b[self.index], 0.0)
-        return np.asarray(self._solved(padded[:, :, None])[self.real][:, 0])
+        padded = np.where(self.is_row, b[self.index], 0.0)
+        return np.asarray(self._solved(padded[:, :, None])[self.is_row][:, 0])
 
     def _solved(self, b: Array) -> Array:
         """The inverses of the diagonal blocks of the highest level made so far, times a stack b.
@@ -94,7 +96,7 @@ def _siblings(blocks: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(pairs[:, ::-1].reshape(blocks.shape))
 
 
-def cross(
+def cross_approximation(
     entries: Entries, rows: tuple[Index, Mask], columns: tuple[Index, Mask], tolerance: float
 ) -> tuple[Array, Array]:
     """(U, V) such that U V' approximates blocks of a matrix, by adaptive cross approximation.
@@ -102,35 +104,35 @@ def cross(
     rows, columns: for each of n blocks, the indices of its rows (n, rows) or of its columns
     (n, columns), and a mask of those that count. The other rows and columns of U V' are zero.
     """
-    (row, real_row), (column, real_column) = rows, columns
+    (row, is_row), (column, is_column) = rows, columns
     most = min(_OPTIONS.leaf_size, row.shape[1], column.shape[1])
     u, v = np.zeros((*row.shape, most)), np.zeros((*column.shape, most))
-    unused = real_row.copy()
+    unused = is_row.copy()
     # The first pivot row is the row nearest to the columns of the block, since the entries vary
     # most in this row.
-    last = real_row.sum(axis=1) - 1
+    last = is_row.sum(axis=1) - 1
     pivot = np.where(row[:, 0] < column[:, 0], last, 0)
     size, active = np.zeros(len(row)), np.arange(len(row))
     for k in range(most):
         unused[active, pivot] = False
-        here = entries(row[active, pivot][:, None], column[active])
-        here -= (v[active, :, :k] @ u[active, pivot, :k, None])[:, :, 0]
-        here[~real_column[active]] = 0.0
-        j = np.argmax(np.abs(here), axis=1)
-        top = here[np.arange(len(active)), j]
+        pivot_row = entries(row[active, pivot][:, None], column[active])
+        pivot_row -= (v[active, :, :k] @ u[active, pivot, :k, None])[:, :, 0]
+        pivot_row[~is_column[active]] = 0.0
+        j = np.argmax(np.abs(pivot_row), axis=1)
+        top = pivot_row[np.arange(len(active)), j]
         live = top != 0.0
-        active, here, j, top = active[live], here[live], j[live], top[live]
+        active, pivot_row, j, top = active[live], pivot_row[live], j[live], top[live]
         if len(active) == 0:
             return u[:, :, :k], v[:, :, :k]
-        there = entries(row[active], column[active, j][:, None])
-        there -= (u[active, :, :k] @ v[active, j, :k, None])[:, :, 0]
-        there[~real_row[active]] = 0.0
-        u[active, :, k], v[active, :, k] = there, here / top[:, None]
-        new = np.linalg.norm(there, axis=1) * np.linalg.norm(v[active, :, k], axis=1)
+        pivot_column = entries(row[active], column[active, j][:, None])
+        pivot_column -= (u[active, :, :k] @ v[active, j, :k, None])[:, :, 0]
+        pivot_column[~is_row[active]] = 0.0
+        u[active, :, k], v[active, :, k] = pivot_column, pivot_row / top[:, None]
+        new = np.linalg.norm(pivot_column, axis=1) * np.linalg.norm(v[active, :, k], axis=1)
         size[active] = np.maximum(size[active], new)
-        on = (new > tolerance * size[active]) & unused[active].any(axis=1)
-        pivot = np.argmax(np.where(unused[active], np.abs(there), -1.0), axis=1)[on]
-        active = active[on]
+        goes_on = (new > tolerance * size[active]) & unused[active].any(axis=1)
+        pivot = np.argmax(np.where(unused[active], np.abs(pivot_column), -1.0), axis=1)[goes_on]
+        active = active[goes_on]
         if len(active) == 0:
             return u[:, :, : k + 1], v[:, :, : k + 1]
     return u, v

@@ -17,7 +17,7 @@ from contact import inverse
 from contact.errors import OutOfRange
 from contact.search.grid import nested_grids, proposals
 from contact.search.grid.conjugate_gradient import GridState, Influence, Response, solve_grid
-from contact.search.grid.fourier import Factors, Transform
+from contact.search.grid.fourier import FourierMultiplier, FourierTable
 from contact.search.grid.nested_grids import find_window, narrowest, propose, zones_of
 from contact.search.grid.scaling import scaled_scene
 from contact.search.topology.intervals import NARROW, merged
@@ -178,7 +178,7 @@ def test_factors_of_waves_act_as_by_one_long_transform(
     for given in (values, values[: size // 2]):
         wanted = np.fft.irfft(np.fft.rfft(given, size) * factors, size)
         for kind, digits in ((np.float64, 1e-14), (np.float32, 1e-5)):
-            found = Factors(Transform(size, kind), factors)(given.astype(kind))
+            found = FourierMultiplier(FourierTable(size, kind), factors)(given.astype(kind))
             assert found.dtype == kind and found.shape == (size,)
             assert np.abs(found - wanted).max() < digits * np.abs(wanted).max()
 

@@ -17,7 +17,7 @@ from sie.fast.system import IterativeSystem
 from sie.fast.zone_sums import Nested, ZoneSums
 from sie.jumps.right_side import ForcingJumps
 from sie.trees.far import FarSum
-from sie.trees.hierarchical import Inverse, cross
+from sie.trees.hierarchical import Inverse, cross_approximation
 from sie.trees.krylov import gmres
 from sie.trees.tree import SEPARATION, TERMS, Tree, interactions
 from tests.tiers import diagonal
@@ -260,7 +260,7 @@ class TestCoarseInverse:
         blocks[0, -1] = blocks[1, :, -1] = 0.0
         ranks = []
         for tolerance in (1e-3, 1e-6, 1e-9):
-            u, v = cross(matrix, (rows, real), (rows[::-1], real[::-1]), tolerance)
+            u, v = cross_approximation(matrix, (rows, real), (rows[::-1], real[::-1]), tolerance)
             for block, one, other in zip(blocks, u, v, strict=True):
                 wrong = np.linalg.norm(one @ other.T - block)
                 assert wrong < 10 * tolerance * np.linalg.norm(block)

@@ -44,7 +44,7 @@ from numpy.typing import ArrayLike, NDArray
 from contact.errors import OutOfRange
 from contact.formulation.tolerances import TOLERANCES
 from contact.model.profiles.noise import EPS
-from contact.search.grid.fourier import Factors, Transform
+from contact.search.grid.fourier import FourierMultiplier, FourierTable
 from sie import Array, Index, Mask, record
 
 Rest = Callable[[Array, float], Array]
@@ -147,29 +147,29 @@ class Influence:
         return cls(n, h, E, False, compliance, _wave_stiffness(2 * n, h, E), float(offset))
 
     @cached_property
-    def transform(self) -> Transform:
-        """The transform of all padded points, in double precision."""
-        return Transform(self.size)
+    def table(self) -> FourierTable:
+        """Table for the transforms of all padded points, in double precision."""
+        return FourierTable(self.size)
 
     @cached_property
-    def _exactly(self) -> Factors:
-        return Factors(self.transform, self._compliance)
+    def _in_double_precision(self) -> FourierMultiplier:
+        return FourierMultiplier(self.table, self._compliance)
 
     @cached_property
-    def _in_single_precision(self) -> Transform:
-        return Transform(self.size, np.float32)
+    def _single_table(self) -> FourierTable:
+        return FourierTable(self.size, np.float32)
 
     @cached_property
-    def roughly(self) -> _SinglePrecision:
+    def single_compliance(self) -> _SinglePrecision:
         """The operator S up to a constant, in single precision, on all padded points.
         The error of the displacement is 1e-6 of its largest value.
         """
-        return _SinglePrecision(self._in_single_precision, self._compliance)
+        return _SinglePrecision(self._single_table, self._compliance)
 
     @cached_property
-    def stiffly(self) -> _SinglePrecision:
+    def single_stiffness(self) -> _SinglePrecision:
         """The operator D, displacement to pressure, in single precision, on all padded points."""
-        return _SinglePrecision(self._in_single_precision, self.stiffness)
+        return _SinglePrecision(self._single_table, self.stiffness)
 
     @property
     def size(self) -> int:
@@ -185,7 +185,7 @@ class Influence:
     def apply(self, p: ArrayLike) -> Array:
         """Displacement at the grid points under the pressure p on them."""
         pressure = np.asarray(p, dtype=np.float64)
-        u = self._exactly(pressure)[: self.n]
+        u = self._in_double_precision(pressure)[: self.n]
         return u + self._offset * (float(pressure.sum()) * self.h) if self._offset else u
 
 
@@ -230,9 +230,9 @@ class _SinglePrecision:
     any units.
     """
 
-    def __init__(self, transform: Transform, factors: Array) -> None:
-        self.size, self.largest = transform.size, float(np.abs(factors).max())
-        self.factors = Factors(transform, factors / self.largest)
+    def __init__(self, table: FourierTable, factors: Array) -> None:
+        self.size, self.largest = table.size, float(np.abs(factors).max())
+        self.factors = FourierMultiplier(table, factors / self.largest)
 
     def scaled(self, values: Array) -> tuple[NDArray[np.float32], float]:
         """(values divided by their largest absolute value, scale).
@@ -292,7 +292,7 @@ class _Extension:
 
     def __init__(self, influence: Influence, inside: Index) -> None:
         self.size = influence.size
-        self.stiffness = influence.stiffly
+        self.stiffness = influence.single_stiffness
         self.starts = inside - inside[0]
         self.lengths = np.diff(self.starts, append=self.size)
         # Indices of the next and of the previous point in contact. Every iteration needs them, and
@@ -444,7 +444,7 @@ class _Run:
         direction, rz = z.copy(), _dot(r, z)
         # A rough solution needs no more digits of the response than of the residual.
         is_rough = tol >= OPTIONS.fine_tolerance
-        apply = self.influence.roughly.response if is_rough else self.influence.response
+        apply = self.influence.single_compliance.response if is_rough else self.influence.response
         converged, steps = False, 0
         best, since = np.inf, 0
         while True:
@@ -491,7 +491,7 @@ class _Run:
         self.iterations += 1
         mean = float(shape.mean())
         level = mean + self.influence.yields * load / (n * h)
-        p = load / (n * h) - Factors(self.influence.transform, self.influence.stiffness)(
+        p = load / (n * h) - FourierMultiplier(self.influence.table, self.influence.stiffness)(
             shape - mean
         )
         roundoff = EPS * (

@@ -35,16 +35,16 @@ BLOCK = 1 << 16
 TERMS_PER_VALUE = 4
 
 
-class Transform:
-    """Table for the transforms of `size` real values of the type `kind`.
+class FourierTable:
+    """Table for the transforms of `size` real values of the type `precision`.
 
     The table is multiplied by `turns` between the transforms of columns and those of rows. If
-    `rows` is 1, there is no table, and `Factors` takes an ordinary real transform.
+    `rows` is 1, there is no table, and `FourierMultiplier` uses an ordinary real transform.
     """
 
-    def __init__(self, size: int, kind: type[np.floating[Any]] = np.float64) -> None:
-        self.size, self.kind = size, np.dtype(kind)
-        self.complex = np.result_type(kind, np.complex64)
+    def __init__(self, size: int, precision: type[np.floating[Any]] = np.float64) -> None:
+        self.size, self.precision = size, np.dtype(precision)
+        self.complex = np.result_type(precision, np.complex64)
         half, odd = divmod(size, 2)
         # The number of rows is a power of two that divides the number N/2 of complex values. It is
         # at most about the square root of this number.
@@ -54,7 +54,7 @@ class Transform:
         if self.rows > 1:
             wave = np.outer(np.arange(self.rows), np.arange(self.columns))
             self.turns = np.exp(-2j * np.pi / half * wave).astype(self.complex)
-            self.back = self.turns.conj()
+            self.inverse_turns = self.turns.conj()
 
     def in_parts(self, count: int, step: Callable[..., None], *tables: NDArray[Any]) -> None:
         """Call step(part, *tables) for slices of `count` rows or columns of the tables.
@@ -82,47 +82,47 @@ class Transform:
         z[:, part] = scipy.fft.ifft(z[:, part], axis=0)
 
 
-class Factors:
+class FourierMultiplier:
     """Multiplication by real factors in Fourier space, of the waves 0 ... N/2 of N real values.
 
     A call returns the N real values of the product, for at most N given values. Zeros are appended
     to fewer values. N may be odd.
     """
 
-    def __init__(self, transform: Transform, factors: Array) -> None:
-        self.transform = transform
-        if transform.rows == 1:
-            self.factors = factors.astype(transform.kind)
+    def __init__(self, table: FourierTable, factors: Array) -> None:
+        self.table = table
+        if table.rows == 1:
+            self.factors = factors.astype(table.precision)
             return
         mirrored = factors[:0:-1]  # f_(N/2-k) for k = 0 ... N/2 - 1
-        theta = 2 * np.pi / transform.size * np.arange(len(mirrored))
+        theta = 2 * np.pi / table.size * np.arange(len(mirrored))
         mean, difference = 0.5 * (factors[:-1] + mirrored), 0.5 * (factors[:-1] - mirrored)
-        self.own = self._table(mean - difference * np.sin(theta))
-        self.other = self._table(difference * np.cos(theta))
+        self.by_wave = self._table(mean - difference * np.sin(theta))
+        self.by_mirrored_wave = self._table(difference * np.cos(theta))
 
     def _table(self, of_waves: Array) -> NDArray[Any]:
         """Numbers for all waves k in the order of the table, each one twice.
         They multiply the real and the imaginary part of Z.
         """
-        table = of_waves.reshape(-1, self.transform.rows).T.astype(self.transform.kind)
-        return np.repeat(table, 2, axis=1)
+        ordered = of_waves.reshape(-1, self.table.rows).T.astype(self.table.precision)
+        return np.repeat(ordered, 2, axis=1)
 
     def __call__(self, values: NDArray[Any]) -> NDArray[Any]:
-        transform = self.transform
-        if transform.rows == 1:
-            waves = scipy.fft.rfft(values, transform.size)
+        table = self.table
+        if table.rows == 1:
+            waves = scipy.fft.rfft(values, table.size)
             waves *= self.factors
-            return np.asarray(scipy.fft.irfft(waves, transform.size, overwrite_x=True))
-        if len(values) < transform.size:
-            values = np.concatenate((values, np.zeros(transform.size - len(values), values.dtype)))
-        pairs = np.ascontiguousarray(values, dtype=transform.kind).view(transform.complex)
-        pairs = pairs.reshape(transform.rows, transform.columns)
+            return np.asarray(scipy.fft.irfft(waves, table.size, overwrite_x=True))
+        if len(values) < table.size:
+            values = np.concatenate((values, np.zeros(table.size - len(values), values.dtype)))
+        pairs = np.ascontiguousarray(values, dtype=table.precision).view(table.complex)
+        pairs = pairs.reshape(table.rows, table.columns)
         z, out = np.empty_like(pairs), np.empty_like(pairs)
-        transform.in_parts(transform.columns, transform.of_columns, pairs, z)
-        transform.in_parts(transform.rows, transform.of_rows, z)
-        transform.in_parts(transform.rows, self._back_to_rows, z.view(transform.kind), out)
-        transform.in_parts(transform.columns, transform.back_to_columns, out)
-        return np.asarray(out.view(transform.kind).ravel())
+        table.in_parts(table.columns, table.of_columns, pairs, z)
+        table.in_parts(table.rows, table.of_rows, z)
+        table.in_parts(table.rows, self._back_to_rows, z.view(table.precision), out)
+        table.in_parts(table.columns, table.back_to_columns, out)
+        return np.asarray(out.view(table.precision).ravel())
 
     def _back_to_rows(self, rows: slice, parts: NDArray[Any], out: NDArray[Any]) -> None:
         """Set some rows of `out` to the inverse transforms of these rows of Z', divided by `turns`.
@@ -131,11 +131,11 @@ class Factors:
         imaginary parts of i conj(Z_(N/2-k)). In row 0, wave 0 is its own mirror image and stays
         first.
         """
-        transform = self.transform
-        mirrored = parts[-np.arange(rows.start, rows.stop) % transform.rows, ::-1]
+        table = self.table
+        mirrored = parts[-np.arange(rows.start, rows.stop) % table.rows, ::-1]
         if rows.start == 0:
             mirrored[0] = np.roll(mirrored[0], 2)
-        mirrored *= self.other[rows]
-        mirrored += self.own[rows] * parts[rows]
-        waves = scipy.fft.ifft(mirrored.view(transform.complex), axis=1, overwrite_x=True)
-        np.multiply(waves, transform.back[rows], out=out[rows])
+        mirrored *= self.by_mirrored_wave[rows]
+        mirrored += self.by_wave[rows] * parts[rows]
+        waves = scipy.fft.ifft(mirrored.view(table.complex), axis=1, overwrite_x=True)
+        np.multiply(waves, table.inverse_turns[rows], out=out[rows])
