@@ -1,6 +1,4 @@
-"""A load path as a figure, a table and a command: what it says is what its solutions and events
-say.
-"""
+"""The figure, the table and the command of a load path agree with its solutions and events."""
 
 from __future__ import annotations
 
@@ -32,7 +30,8 @@ control = {load = 1.0}
 PAIR_TEXT = TEXT % ('shape = "biquadratic", radius = 1.0, spacing = 0.1', "isolated")
 WAVE_TEXT = TEXT % ('shape = "sinusoid", amplitude = 0.01, period = 1.0', "periodic")
 STICKY_TEXT = WAVE_TEXT + 'law = {model = "jkr", work = 1e-5}\n'
-# Nothing is between them, or too little, or what is no number.
+# Values of --loads that the command refuses: wrong syntax, bad numbers or counts, or equal
+# ends.
 NO_LOADS = [
     "1:2",
     "1:2:x",
@@ -66,13 +65,13 @@ def run(text, *arguments):
     )
 
 
-def test_each_event_stands_with_the_load_behind_it_on_a_loop_too():
+def test_each_event_is_listed_at_the_first_load_after_it():
     found = loop("pair")
     assert [[e.kind for e in since] for since in found.passed] == [[], ["merge"], [], [], ["split"]]
     assert [e.kind for e in found.events] == ["merge", "split"]
 
 
-def test_a_row_of_the_table_is_what_the_solution_says(tmp_path):
+def test_rows_of_the_table_have_the_numbers_of_the_solutions(tmp_path):
     found = loop("wave")
     found.save(tmp_path / "path.csv")
     rows = list(csv.DictReader(io.StringIO((tmp_path / "path.csv").read_text())))
@@ -87,7 +86,7 @@ def test_a_row_of_the_table_is_what_the_solution_says(tmp_path):
     )
 
 
-def test_what_a_scene_does_not_define_is_nan_in_the_table_and_null_in_json(tmp_path):
+def test_undefined_numbers_are_nan_in_python_and_null_in_json(tmp_path):
     found = loop("pair")
     found.save(tmp_path / "path.json")
     points = json.loads((tmp_path / "path.json").read_text())["points"]
@@ -112,14 +111,14 @@ def test_the_figure_has_contact_and_approach_and_a_line_for_each_event():
         ]
         assert [line.get_xdata()[0] for line in lines] == pytest.approx([full, full], rel=1e-9)
     (rising,) = (line for line in area.lines if line.get_label() == "load rising")
-    # Full contact is a point of the line of its own.
+    # The load of full contact is an additional point of the line.
     fractions = [s.contact_fraction for s in loop("wave").solutions]
     assert rising.get_ydata() == pytest.approx([*fractions[:2], 1.0, fractions[2]])
     assert rising.get_xdata()[2] == pytest.approx(full, rel=1e-9)
     assert len(loop("pair").plot().axes) == 1
 
 
-def test_marks_of_many_events_are_small_and_counted_and_hide_no_other():
+def test_marks_of_many_events_are_small_and_counted_and_do_not_hide_each_other():
     pytest.importorskip("matplotlib")
     kinds, back = 9 * ["birth", "merge"], {"birth": "death", "merge": "split"}
     none = np.zeros((0, 2))
@@ -140,7 +139,7 @@ def test_marks_of_many_events_are_small_and_counted_and_hide_no_other():
         assert len(ticks) == len(kinds) and max(ticks) < 0.1
 
 
-def test_a_path_is_drawn_where_it_is_told_to():
+def test_a_path_is_drawn_on_the_given_axes():
     pyplot = pytest.importorskip("matplotlib.figure")
     figure = pyplot.Figure()
     axes = figure.subplots(1, 2)
@@ -152,7 +151,7 @@ def test_a_path_is_drawn_where_it_is_told_to():
         loop("pair").plot(axes)
 
 
-def test_the_command_goes_there_and_back_and_says_what_the_path_says(tmp_path):
+def test_the_command_unloads_with_back_and_prints_points_and_events(tmp_path):
     done = run(WAVE_TEXT, "--loads", "0:3.6e-2:4", "--back", "--json")
     assert done.exit_code == 0, done.output
     read = json.loads(done.stdout)
@@ -163,7 +162,7 @@ def test_the_command_goes_there_and_back_and_says_what_the_path_says(tmp_path):
     assert set(read["units"]) == {*NUMBERS, "position"} and "control" not in read["scene"]
 
 
-def test_its_tables_have_one_unit_a_column_and_fit_on_80_columns():
+def test_the_printed_table_has_one_unit_per_column_and_fits_in_80_columns():
     told = run(WAVE_TEXT, "--loads", "1e-6:3e-2:7:log", "--no-events").stdout
     assert max(len(line.rstrip()) for line in told.splitlines()) <= 80
     rows = [
@@ -190,7 +189,7 @@ def test_without_events_the_solutions_are_those_of_solve_many(monkeypatch):
 
 
 @pytest.mark.parametrize("loads", NO_LOADS)
-def test_loads_that_are_none_are_refused_by_name(loads):
+def test_invalid_loads_are_refused_with_the_name_of_the_option(loads):
     refused = run(WAVE_TEXT, "--loads", loads)
     assert (
         refused.exit_code == 2
@@ -200,7 +199,7 @@ def test_loads_that_are_none_are_refused_by_name(loads):
     assert refused.stderr.count("\n") == 1
 
 
-def test_a_load_below_none_and_a_file_that_is_there_are_refused_before_anything_is_solved(tmp_path):
+def test_a_negative_load_an_existing_file_and_an_unknown_format_are_refused(tmp_path):
     (tmp_path / "out.csv").write_text("mine")
     assert "loads" in run(WAVE_TEXT, "--loads", "-1:1:3").stderr
     assert "--overwrite" in run(WAVE_TEXT, "--loads", "1:2:3", "--csv", tmp_path / "out.csv").stderr
@@ -209,14 +208,14 @@ def test_a_load_below_none_and_a_file_that_is_there_are_refused_before_anything_
 
 @pytest.mark.parametrize("more", [(), ("--no-events",)])
 @pytest.mark.parametrize(("loads", "back"), [("1e-3:2e-3:3", "--back"), ("2e-3,1e-3", "-q")])
-def test_no_load_falls_under_a_limit_of_the_pressure(loads, back, more):
+def test_falling_loads_are_refused_for_a_plastic_law(loads, back, more):
     text = WAVE_TEXT + 'law = {model = "plastic", hardness = 2.0}\n'
     said = run(text, "--loads", loads, back, *more)
     assert said.exit_code == 2 and "Solution.worn()" in said.stderr
     assert said.stderr.startswith(f"contact: {'--back' if back == '--back' else '--loads'} = ")
 
 
-def test_quietly_it_writes_its_files_and_prints_nothing(tmp_path):
+def test_the_quiet_command_writes_its_files_and_prints_nothing(tmp_path):
     pytest.importorskip("matplotlib")
     done = run(
         WAVE_TEXT,
@@ -234,7 +233,7 @@ def test_quietly_it_writes_its_files_and_prints_nothing(tmp_path):
     ).read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_loop_of_surfaces_that_adhere_says_what_it_loses_and_is_drawn(tmp_path):
+def test_a_loop_with_adhesion_states_its_dissipated_energy_and_is_drawn(tmp_path):
     pytest.importorskip("matplotlib")
     arguments = ["--loads=-1.5e-3,1e-3", "--back"]
     read = json.loads(
@@ -255,7 +254,7 @@ def test_a_loop_of_surfaces_that_adhere_says_what_it_loses_and_is_drawn(tmp_path
     assert "apart to 1" in told and "1 to apart" in told and "lost in all" in told
 
 
-def test_mean_pressures_and_approaches_stand_in_place_of_loads_and_exactly_one_of_them():
+def test_exactly_one_of_loads_mean_pressures_and_approaches_is_accepted():
     by_pressure = json.loads(run(WAVE_TEXT, "--pressures", "1e-2,1.1e-2", "--json").stdout)
     assert by_pressure["points"]["mean_pressure"] == pytest.approx([1e-2, 1.1e-2])
     by_approach = json.loads(run(STICKY_TEXT, "--approaches", "1e-3,2e-3", "--json").stdout)

@@ -1,5 +1,6 @@
-"""Columns and conditions of an interaction of one's own that speak of places: told where these
-stand, whatever the solver counts from.
+"""Columns and conditions of a user's interaction that depend on a position x [m] in the profile.
+
+The solver may count positions from another origin. The position in the model stays the same.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import sie
 
 @dataclass(frozen=True)
 class Hinged(contact.Interaction):
-    """A lone body that turns about a hinge at a place x [m], where its pressure has no moment."""
+    """An isolated body with a hinge at x [m], about which the pressure has no moment."""
 
     name = "hinged"
     allows = ("load",)
@@ -35,9 +36,11 @@ class Hinged(contact.Interaction):
 
 
 @pytest.mark.parametrize(("hinge", "tip"), [(0.0, 0.0), (5e-4, 0.0), (0.05, 0.0502), (5.0, 5.0003)])
-def test_a_hinge_stands_where_it_is_said_to(hinge, tip):
-    """A parabola turned by t has its tip at x = tip + R t: without moment about the hinge that is
-    where the zone is centred.
+def test_the_zone_of_a_hinged_body_is_centred_on_the_hinge(hinge, tip):
+    """The zone is centred on the hinge, because the pressure has no moment about the hinge.
+
+    The parabola has the radius R = 1. Turned by the angle t, it is the same parabola with its
+    tip at x = tip + R t. So the body turns until this tip is at the hinge.
     """
     shape = contact.Polynomial([0.5 * tip**2, -tip, 0.5])
     solution = contact.solve(contact.Scene(shape, 1e9, Hinged(hinge), load=1e3), tol=1e-10)
@@ -47,7 +50,7 @@ def test_a_hinge_stands_where_it_is_said_to(hinge, tip):
     assert width == pytest.approx(4 * np.sqrt(1e3 / (np.pi * 1e9)), rel=1e-9)
 
 
-def test_what_the_engine_refuses_of_a_scene_is_an_error_of_the_scene(monkeypatch):
+def test_a_value_error_of_the_engine_becomes_a_scene_error(monkeypatch):
     def refused(*_, **__):
         raise ValueError("the right side: primitive is not an antiderivative of its value")
 

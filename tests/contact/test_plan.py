@@ -1,6 +1,4 @@
-"""A scene does not pay for what it lacks: the plan says what is left out, and counts, modules and
-memory bear it out.
-"""
+"""A solve does only the work that its scene needs: plans, counts, modules and memory show it."""
 
 from __future__ import annotations
 
@@ -41,8 +39,10 @@ def parts(solution):
 
 
 def waves(count, shift=0.0):
-    """count equal waves a period; shifted, the profile is not symmetric although every zone still
-    is.
+    """A profile of `count` equal waves per period, moved to the right by `shift` periods.
+
+    With a shift the profile is not symmetric about x = 0, although each zone is still
+    symmetric.
     """
     amplitude, angle = DELTA / count, 2 * np.pi * count * shift
     zeros = [0.0] * (count - 1)
@@ -54,7 +54,7 @@ def waves(count, shift=0.0):
 
 
 class Counted(contact.Profile):
-    """A wave that counts the points at which its slope and height are asked for."""
+    """A wave or a wedge that counts the points at which slope and height are evaluated."""
 
     def __init__(self, kinked=False):
         self.inner = contact.Wedge(0.01, L) if kinked else WAVE
@@ -84,7 +84,7 @@ SCENES = [
     ("c.Sinusoid(1e-3, 1.0)", "c.Localized('self-consistent', neighbours=2)", "half_width=0.2"),
 ]
 SAMPLED = "c.Sampled([0.0, 0.2, 0.4, 0.6, 0.8], [0.0, 2e-3, 1e-3, 0.0, -1e-3], period=1.0)"
-# What a fresh interpreter does, one after the other.
+# Code that one fresh interpreter runs, step by step in this order.
 STEPS = {
     "series": "import contact, gc; series = contact.Fourier(1.0, [-1e-3, 2e-4]); assert gc.isenabled()\n"
     "frozen = gc.get_freeze_count()\n"
@@ -97,12 +97,12 @@ STEPS = {
 
 
 def loaded_after(step, names):
-    """Those of the modules that a fresh interpreter has loaded after a step."""
+    """The modules among `names` that a fresh interpreter has loaded after a step."""
     return dict(zip(STEPS, loaded_after_each(*STEPS.values()), strict=True))[step] & set(names)
 
 
 def peak(call):
-    call()  # what is kept after a first call is not the scene's
+    call()  # The first call fills caches, which do not count here.
     tracemalloc.start()
     try:
         call()
@@ -120,7 +120,8 @@ class TestSymmetricAgainstAsymmetric:
         whole = solve(waves(self.COUNT, shift=0.013), mean_pressure=self.PRESSURE).plan
         assert half["symmetry"].used and not whole["symmetry"].used
         assert half.counts["zones"] == whole.counts["zones"] == self.COUNT
-        # The middle zone is halved too, but for its constant.
+        # The middle zone is symmetric, so its unknowns are halved, too, except for the constant
+        # mode.
         assert half.counts["coupled_unknowns"] <= 0.5 * whole.counts["coupled_unknowns"] + 1
 
     def test_a_quarter_of_the_kernel_is_evaluated_in_a_symmetric_solve(self):
@@ -150,14 +151,14 @@ class TestOneZoneAgainstMany:
             parts(solve(WAVE, mean_pressure=0.2 * full_pressure()))["coarse search"].seconds is None
         )
 
-    def test_many_zones_are(self):
+    def test_many_zones_are_searched_for_on_a_grid(self):
         plan = solve(waves(5), mean_pressure=0.1 * full_pressure()).plan
         assert plan["coarse search"].used and plan["coarse search"].seconds > 0
 
     def test_few_zones_use_no_fast_sums(self):
         assert not solve(waves(5), mean_pressure=0.1 * full_pressure()).plan["fast sums"].used
 
-    def test_some_hundred_zones_do(self):
+    def test_three_hundred_zones_use_fast_sums(self):
         plan = solve(waves(303), mean_pressure=0.1 * full_pressure(), tol=1e-8).plan
         assert plan["fast sums"].used and "iterations" in plan["fast sums"].detail
 
@@ -196,7 +197,7 @@ class TestGivenAgainstSearched:
 
 
 class TestSmoothAgainstKinked:
-    def test_a_smooth_profile_pays_for_no_kink(self):
+    def test_a_smooth_profile_does_not_use_the_part_for_kinks(self):
         smooth, kinked = solve(WAVE, half_width=0.2), solve(contact.Wedge(0.01, L), half_width=0.2)
         assert not smooth.plan["kinks"].used and kinked.plan["kinks"].used
 
@@ -210,7 +211,10 @@ class TestSmoothAgainstKinked:
     def test_the_same_corner_undeclared_costs_many_times_as_much(self):
         @dataclass(frozen=True)
         class Blunted(contact.Profile):
-            """A wedge whose corner is rounded over a fiftieth of its contact, and not declared."""
+            """A wedge with a rounded tip and no declared kink.
+
+            The tip is rounded over 0.02 of the half width of contact.
+            """
 
             symmetric = property(lambda self: True)
             summits = property(lambda self: np.zeros(1))
@@ -251,9 +255,7 @@ class TestLocalizationAgainstNone:
 
 
 class TestFieldsNotAskedFor:
-    def test_no_height_but_the_lowest_and_the_certificate_s_is_evaluated_until_a_gap_is_asked_for(
-        self,
-    ):
+    def test_pressures_evaluate_no_heights_and_gaps_do(self):
         profile = Counted()
         solution = solve(profile, half_width=0.2)
         before = profile.heights
@@ -283,7 +285,7 @@ class TestModulesAndMemory:
         assert loaded_after("scenes", self.OPTIONAL) == set()
 
     def test_a_measured_profile_loads_splines_and_nothing_else(self):
-        # SciPy's own splines bring its optimizer along.
+        # The import of scipy.interpolate itself loads other parts of SciPy.
         assert loaded_after("sampled", self.OPTIONAL) <= {
             "scipy.interpolate",
             "scipy.optimize",
@@ -322,7 +324,7 @@ class TestModulesAndMemory:
 
 
 class TestNearlyFullAgainstPartContact:
-    def test_a_hair_s_gap_is_solved_for_itself_with_few_unknowns(self):
+    def test_nearly_full_contact_is_solved_by_its_gaps_with_few_unknowns(self):
         almost = solve(WAVE, tol=1e-8, mean_pressure=(1 - 1e-6) * full_pressure())
         assert almost.contact_fraction > 0.999 and almost.certificate.note == "solved by its gaps"
         assert almost.plan.counts["own_modes"] <= 32
@@ -335,7 +337,7 @@ class TestNearlyFullAgainstPartContact:
 
 
 class TestLooseAgainstTight:
-    def test_digits_that_are_not_asked_for_are_not_paid_for(self):
+    def test_a_looser_tolerance_needs_fewer_modes_and_kernel_evaluations(self):
         profile = design([[-0.4, -0.2], [0.0, 0.3]], E, 1e-3, 1.0).profile
         loose, tight = (solve(profile, tol=tol, load=1e-3).plan.counts for tol in (1e-2, 1e-11))
         assert (
@@ -392,14 +394,14 @@ def test_the_plan_made_beforehand_names_the_same_parts_as_the_one_of_the_solutio
     ]
 
 
-def test_the_counted_profile_evaluations_are_those_the_profile_sees_but_for_guess_and_certificate():
+def test_the_counted_profile_evaluations_omit_only_those_of_guess_and_certificate():
     profile = Counted()
     solution = solve(profile, half_width=0.2)
     counted = solution.plan.counts["profile_evaluations"]
     assert counted <= profile.slopes <= counted + 2000
 
 
-def test_what_no_part_of_a_scene_needs_is_not_loaded_for_it():
+def test_modules_that_a_scene_does_not_need_are_not_loaded():
     others = [
         "contact.model.traces.prepare",
         "contact.localized.strips",
@@ -411,7 +413,7 @@ def test_what_no_part_of_a_scene_needs_is_not_loaded_for_it():
 
 
 class TestDecisions:
-    """Each choice between ways is in the plan, with the number that decided it."""
+    """The plan records each decision, its reason, and the number and threshold that decided it."""
 
     ROUGH = contact.Fourier(L, [-DELTA, 3e-4, 1e-4], [2e-4, -1e-4, 3e-4])
 
@@ -429,7 +431,7 @@ class TestDecisions:
             (WAVE, {"contact_fraction": 1.0}, "full contact", "full contact", "fraction is 1"),
         ],
     )
-    def test_a_plan_tells_each_choice_and_its_reason(
+    def test_a_plan_states_each_decision_and_its_reason(
         self, profile, control, question, way, because
     ):
         plan = solve(profile, tol=1e-7, **control).plan
@@ -474,7 +476,7 @@ class TestDecisions:
         assert choice.way == "the previous zones, extrapolated"
         assert choice.measured <= choice.threshold
 
-    def test_a_plan_made_beforehand_tells_the_first_guess(self):
+    def test_a_plan_made_beforehand_states_the_first_guess(self):
         plan = contact.plan(contact.Scene(self.ROUGH, E, PERIODIC, mean_pressure=1e-3))
         assert str(plan.decisions["first guess"]) == "a grid, since the number of zones is unknown"
 
@@ -498,7 +500,7 @@ def unknowns_of(fields):
 
 
 class TestUnknowns:
-    """The recorded unknowns are those of the fields of the solution, and the reason is true."""
+    """The plan records the unknowns for which the fields were solved, and the true reason."""
 
     SCENES = [
         (WAVE, PERIODIC, "mean_pressure", (1e-3, 3.1e-3, 0.1)),
@@ -544,7 +546,7 @@ class TestUnknowns:
         assert choice.way == unknowns_of(solution.fields)
         assert law.name in solution.plan.decisions["solver"].reason
 
-    def test_a_contact_fraction_beside_another_says_where_its_unknowns_come_from(self):
+    def test_a_warm_started_contact_fraction_states_the_origin_of_its_unknowns(self):
         near = solve(ROUGH, tol=1e-7, contact_fraction=0.8)
         scene = contact.Scene(ROUGH, E, PERIODIC, contact_fraction=0.81)
         plan = contact.solve(scene, tol=1e-7, near=near).plan
@@ -555,7 +557,7 @@ class TestUnknowns:
         assert choice.because.startswith("they served under a similar load: ")
 
     def test_zones_whose_error_is_below_that_of_the_gaps_are_named(self, monkeypatch):
-        """The gaps pass, but with an error above the tolerance."""
+        """The gaps pass the certificate, but their stated error is above the tolerance."""
         plain = gaps.tightened_gaps
         loose = {"control_error": 1e-4}
         monkeypatch.setattr(gaps, "tightened_gaps", lambda c, f, **_: replace(plain(c, f), **loose))

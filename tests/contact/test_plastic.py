@@ -1,4 +1,4 @@
-"""A limit of the pressure: closed forms, a grid with bounds, balance, and what is refused."""
+"""Pressures limited by a hardness: closed forms, a bounded grid, balances, and refused scenes."""
 
 import pickle
 from dataclasses import replace
@@ -27,7 +27,7 @@ ALONE = contact.Isolated(datum=1.0)
 
 
 def test_a_cylinder_that_yields_has_the_closed_form():
-    k = 0.6  # plateau over contact, half width 1, E*/R = 2
+    k = 0.6  # ratio of the widths of plateau and contact; half width 1, E*/R = 2
     hardness = np.pi / (2 * special.ellipk(k * k))
     load = hardness * (2 * special.ellipe(k * k) - (1 - k * k) * special.ellipk(k * k))
     found = solved(contact.Parabola(1.0), hardness, 2.0, ALONE, load=load)
@@ -66,7 +66,7 @@ def test_a_flat_punch_yields_up_to_its_corners():
 
 
 @pytest.mark.parametrize("part, tol", [(1e-2, 1e-8), (1e-3, 1e-8), (1e-4, 1e-6)])
-def test_plateaus_of_a_flat_punch_are_found_that_are_a_billionth_of_its_width(part, tol):
+def test_very_narrow_plateaus_of_a_flat_punch_are_found(part, tol):
     found = solved(contact.Flat(4.0), 1.0, 1.0, contact.Isolated(), load=4 * part, tol=tol)
     width = (2 * part) ** 2 / (2 + 2 * np.sqrt(1 - part**2))  # P = 2 H sqrt(a^2 - c^2)
     assert np.diff(found.plateaus)[:, 0] == pytest.approx([width, width], rel=2 * found.error)
@@ -87,7 +87,7 @@ def test_a_row_of_flat_punches_yields_up_to_the_corners():
 
 @pytest.mark.parametrize("amplitude", [0.9, 0.999])
 def test_full_contact_that_yields_mirrors_contact_of_the_troughs(amplitude):
-    """The hardness less the pressure is Westergaard's pressure of the mirrored wave."""
+    """The hardness minus the pressure is Westergaard's pressure for the mirrored wave."""
     hardness, mean = 2 * np.pi, np.pi * (2 - amplitude * np.sin(1.2) ** 2)
     found = solved(contact.Sinusoid(amplitude, 1.0), hardness, mean_pressure=mean)
     assert found.zones.shape == (0, 2) and found.contact_fraction == 1
@@ -122,7 +122,10 @@ def test_steep_rough_traces_agree_with_tighter_solutions(slope_over_hardness):
 
 
 def test_wide_rough_contact_with_plateaus_keeps_its_digits():
-    """With truncated powers in place of integrals, round-off left a stated error of 6e-8."""
+    """The plateaus at two tolerances agree within the stated errors.
+
+    With truncated powers in place of integrals, round-off left a stated error of 6e-8.
+    """
     profile = drawn(np.random.default_rng(0), "honed", 440, "uneven")
     full = contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)
     mean = 0.3 * contact.solve(full).mean_pressure
@@ -145,7 +148,10 @@ def test_large_steep_traces_are_solved(seed, slope_over_hardness, share):
 
 
 def bounded_grid(profile, hardness, mean, count):
-    """Pressures with 0 <= p <= H on a grid, by projected conjugate directions of the energy."""
+    """Grid points, and pressures with 0 <= p <= H there, by accelerated projected gradients.
+
+    The pressures minimize the energy under the given mean pressure.
+    """
     x = (np.arange(count) + 0.5) / count
     wave = np.fft.rfftfreq(count, 1 / count) * 2 * np.pi
     with np.errstate(divide="ignore"):
@@ -206,15 +212,15 @@ def test_fields_agree_with_each_other(two):
     np.testing.assert_allclose(stress.yy, -pressure[:50], atol=1e-14)
 
 
-def test_the_pressure_at_the_ends_of_plateaus_is_the_limit_and_the_roots_end_there(two):
+def test_beside_a_plateau_the_pressure_falls_as_the_root_of_the_distance(two):
     for ends, inwards in zip(two.plateaus.T, (-1.0, 1.0), strict=True):
         np.testing.assert_allclose(two.pressure(ends), 0.5, rtol=1e-14)
-        # Beside a plateau the pressure falls as the square root of the distance.
+        # Next to a plateau, H - p grows as the square root of the distance (H: the hardness).
         near, far = (0.5 - two.pressure(ends + inwards * d) for d in (1e-10, 1e-8))
         np.testing.assert_allclose(far / near, 10.0, rtol=1e-4)
 
 
-def test_stiffness_and_widening_are_derivatives_by_the_load(two):
+def test_the_stiffness_is_the_derivative_of_the_load_by_the_approach(two):
     step = 1e-4
     more, less = (solved(FOUR, 0.5, mean_pressure=0.2 + sign * step) for sign in (1, -1))
     stiffness = (more.load - less.load) / (more.approach - less.approach)
@@ -223,7 +229,7 @@ def test_stiffness_and_widening_are_derivatives_by_the_load(two):
     assert again.mean_pressure == pytest.approx(0.2, rel=1e-9)
 
 
-def test_below_the_limit_the_contact_is_the_elastic_one():
+def test_below_the_hardness_the_contact_is_the_elastic_one():
     plain = contact.solve(contact.Scene(FOUR, 1.0, contact.Periodic(), mean_pressure=0.2))
     capped = solved(FOUR, 10.0, mean_pressure=0.2, tol=1e-8)
     np.testing.assert_array_equal(capped.zones, plain.zones)
@@ -232,19 +238,19 @@ def test_below_the_limit_the_contact_is_the_elastic_one():
 
 
 @pytest.mark.parametrize("fraction", [0.2, 0.8, 0.97])
-def test_a_contact_fraction_is_that_of_the_load_found(fraction):
+def test_a_given_contact_fraction_is_that_of_its_load(fraction):
     found = solved(FOUR, 0.5, contact_fraction=fraction, tol=1e-6)
     exact = solved(FOUR, 0.5, load=found.load)
     assert exact.contact_fraction == pytest.approx(fraction, rel=found.error)
     np.testing.assert_allclose(found.zones, exact.zones, atol=found.error)
-    for one in exact, contact.solve(exact.scene.under("load", 0.48)):  # which has no gap
+    for one in exact, contact.solve(exact.scene.under("load", 0.48)):  # the second has full contact
         again = contact.solve(found.scene, tol=1e-6, near=one)
         assert again.load == pytest.approx(found.load, rel=1e-6)
 
 
 @pytest.mark.parametrize("profile", [FOUR, contact.Sinusoid(0.1, 1.0)])
-def test_a_given_approach_at_a_small_hardness_is_that_of_the_load_found(profile):
-    """A grid has hardly a point between plateau and gap."""
+def test_a_given_approach_at_a_small_hardness_is_that_of_its_load(profile):
+    """At a small hardness, hardly any grid points lie between a plateau and a gap."""
     found = solved(profile, 0.02, approach=0.02, tol=1e-8)
     again = solved(profile, 0.02, load=found.load, tol=1e-8)
     assert again.approach == pytest.approx(0.02, rel=1e-7)
@@ -295,14 +301,14 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("made, message", REFUSED)
-def test_what_it_does_not_solve_is_refused_by_name(made, message):
+def test_unsupported_scenes_are_refused_with_the_reason(made, message):
     with pytest.raises(contact.SceneError, match=message):
         made()
 
 
 @pytest.mark.parametrize("modulus", [1e-2, 1e-4, 1e-8, 1e-16, 1e-60])
 def test_rims_far_narrower_than_round_off(modulus):
-    """The closed form of a cylinder, whose rims are modulus^2 / 2 of the contact's half width."""
+    """The closed form of a cylinder: each elastic rim is modulus^2 / 2 of the half width wide."""
     first, second = special.ellipkm1(modulus**2), special.ellipe(1 - modulus**2)
     hardness = np.pi / (2 * first)
     load = hardness * (2 * second - modulus**2 * first)
@@ -313,7 +319,7 @@ def test_rims_far_narrower_than_round_off(modulus):
     x = np.array([-0.999, 0.0, 0.5, 1 + 1e-8])
     np.testing.assert_array_equal(found.pressure(x), [hardness, hardness, hardness, 0.0])
     assert found.certificate.holds and found.error < 1e-8
-    # The widths of rims are found anew from a solution that only knows where rims are.
+    # The rough solution gives the places of the rims; their widths are computed anew.
     scene, rough = found.scene, solved(found.scene.profile, hardness, 2.0, ALONE, 1e-4, load=load)
     again = contact.solve(scene, tol=1e-8, near=rough)
     np.testing.assert_allclose(again.plateaus, [[-plateau, plateau]], rtol=1e-8)
@@ -337,7 +343,7 @@ def test_the_worn_profile_bears_the_same_load_elastically():
 
 
 @pytest.mark.slow
-def test_loading_again_has_the_same_pressure():
+def test_reloading_the_worn_profile_gives_the_same_pressure():
     found = solved(contact.Parabola(1.0), 0.897211432115, 2.0, ALONE, load=1.5393316172)
     scene = contact.Scene(found.worn(), 2.0, ALONE, load=found.load)
     again, x = contact.solve(scene, tol=1e-3), np.linspace(-0.95, 0.95, 101)
@@ -348,8 +354,11 @@ def test_loading_again_has_the_same_pressure():
 
 
 @pytest.mark.parametrize("period", [None, 1e-4])
-def test_the_pressure_beside_a_sharp_corner_stays_at_the_limit(period):
-    """The plateau is K^2 pi^2 / (4 H^2) wide, if elastic contact had p ~ K / sqrt(distance)."""
+def test_the_pressure_next_to_a_sharp_corner_stays_at_the_hardness(period):
+    """The plateau has the width (pi K / (2 H))^2, with the hardness H.
+
+    K is the intensity of the elastic contact, in which p ~ K / sqrt(distance).
+    """
     way = contact.Isolated() if period is None else contact.Periodic()
     for load in (10.0, 30.0, 100.0):
         scene = contact.Scene(
@@ -364,7 +373,7 @@ def test_the_pressure_beside_a_sharp_corner_stays_at_the_limit(period):
         assert found.pressure(2e-5 - np.geomspace(1e-14, 1e-5, 40)).max() <= 2.4e7
 
 
-def test_an_isolated_cell_under_a_limit_ends_at_its_border_from_any_start():
+def test_plastic_contact_of_an_isolated_cell_is_refused_at_the_border():
     wave = contact.Sinusoid(1e-6, 1e-4)
     scene = contact.Scene(wave, 1e9, contact.Isolated(), law=contact.Plastic(2e7), load=1e3)
     assert contact.solve_many(scene, [1e3, 1.2e3], control="load")[-1].zones.shape == (1, 2)
@@ -373,9 +382,9 @@ def test_an_isolated_cell_under_a_limit_ends_at_its_border_from_any_start():
 
 
 def test_a_contact_too_narrow_for_the_first_grid_is_similar_to_a_wider_one():
-    """A wedge has no length scale.
+    """The plateau is the same fraction of the contact at two small approaches.
 
-    So its plateau is a fixed fraction of a contact that is far narrower than the period.
+    A wedge has no length scale, and the contact is far narrower than the period.
     """
     parts = []
     for approach in (1e-14, 1e-13):

@@ -1,4 +1,4 @@
-"""Load paths under a limit of the pressure: closed forms, mirrored profiles, equal summits."""
+"""Load paths with a hardness: closed forms, mirrored profiles, equal summits."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,8 @@ def test_events_of_a_cylinder_and_a_wave_have_closed_forms():
     assert event.kind == "onset" and event.change() == "plateaus: 0 to 1"
     assert event.load == pytest.approx(np.pi * 2.0 * 0.01**2 / 3.0, rel=1e-11)
     for hardness in (3.0, 8.0):
-        # Half a wave's contact has the peak 2 p* sin A under p* sin^2 A, with p* = pi here.
+        # Contact |x| < A/pi of a wave has the mean pressure p* sin^2 A and the peak 2 p* sin A;
+        # here p* = pi.
         kinds = ["onset", "full"] if hardness < 2 * np.pi else ["full", "onset"]
         loads = [hardness**2 / (4 * np.pi), hardness - hardness**2 / (4 * np.pi)]
         loads = loads if hardness < 2 * np.pi else [np.pi, hardness - np.pi]
@@ -36,9 +37,11 @@ MIRRORED = {"birth": "join", "join": "birth", "merge": "onset", "full": "onset",
 
 
 def mirrors(cosine, sine, hardness, parts):
-    """Loads and kinds of events, and those of the mirrored profile.
+    """Events of a profile and of the mirrored profile, as sorted lists of (load, kind, error).
 
-    The hardness less the pressure is the pressure of the mirrored profile: gaps are its plateaus.
+    The hardness minus the pressure of one profile is the pressure of the other: the gaps of one
+    are the plateaus of the other. The loads and kinds of the second list are converted
+    accordingly.
     """
     parts = np.array(parts)
     one = path_of(contact.Fourier(1.0, cosine, sine), hardness, parts).events
@@ -60,7 +63,7 @@ def assert_mirrors(first, last, hardness):
     assert np.all(np.abs(a - b) <= hardness * np.array(errors))
 
 
-def test_no_event_is_missed_that_the_mirrored_profile_has():
+def test_a_profile_and_its_mirror_image_have_the_same_events():
     first, last = mirrors([0.1, 0.07], [0.03, -0.04], 0.4, [0.15, 0.6])
     assert len(first) > 1
     assert_mirrors(first, last, 0.4)
@@ -80,7 +83,7 @@ def test_events_at_one_load_are_mirrored_too(seed):
     cosine = random.normal(size=4) / np.arange(1, 5) ** 1.3
     hardness = float(np.abs(cosine).max() * random.uniform(1.0, 5.0))
     first, last = mirrors(cosine, np.zeros(4), hardness, [0.01, 0.5, 0.99])
-    # The order of events at one load is a matter of rounding.
+    # Round-off decides the order of events at equal loads.
     first, last = (
         sorted(events, key=lambda e: (round(e[0] / hardness, 8), e[1])) for events in (first, last)
     )
@@ -99,7 +102,7 @@ def test_two_equal_summits_yield_at_one_load():
     assert contact.solve(bare).max_pressure == pytest.approx(0.01, rel=1e-8)
 
 
-def test_paths_rise_and_lists_of_loads_are_solved():
+def test_falling_paths_are_refused_and_lists_of_loads_are_solved():
     scene = contact.Scene(
         FOUR, 1.0, contact.Periodic(), law=contact.Plastic(0.5), mean_pressure=0.2
     )

@@ -1,6 +1,4 @@
-"""Profiles with flat tops: contact is wider than these at every load, and narrower contact is
-refused by their width.
-"""
+"""Profiles with flat tops: contact is always wider, and a narrower given contact is refused."""
 
 from __future__ import annotations
 
@@ -14,13 +12,13 @@ from contact.search.feasibility import lowest_stretches
 from contact.studies.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
 
 E = 1e9
-# Shapes as steep and loads as high as the arithmetic bears.
+# The shapes are so steep and the loads so high that the model warns.
 pytestmark = pytest.mark.filterwarnings("error", "ignore::contact.ModelWarning")
 
 
 @dataclass(frozen=True)
 class Plateaus(contact.Profile):
-    """Straight lines between corners over a period of 1."""
+    """A profile of straight lines between the corners `at`, over a period of 1."""
 
     at: tuple[float, ...]
     heights: tuple[float, ...]
@@ -43,7 +41,7 @@ class Plateaus(contact.Profile):
 
 TRAPEZOID = Plateaus((-0.5, -0.1, 0.1, 0.5), (0.004, 0.0, 0.0, 0.004), symmetric=True)
 LOPSIDED = Plateaus((-0.5, -0.1, 0.15, 0.5), (0.004, 0.0, 0.0, 0.004))
-# The second one lies across the border of the cell; a third is higher than they.
+# The second of the lowest flats crosses the border of the period; the flat at 1e-4 is higher.
 SEVERAL = Plateaus(
     (-0.5, -0.4, -0.3, -0.2, 0.0, 0.1, 0.15, 0.2, 0.22, 0.25, 0.5),
     (0, 0, 0.01, 0, 0, 0.01, 0.01, 1e-4, 1e-4, 0, 0),
@@ -62,7 +60,7 @@ def test_a_contact_fraction_that_flat_tops_exceed_is_refused_by_their_width(prof
 
 
 @pytest.mark.parametrize(("profile", "width"), WIDTHS)
-def test_a_fraction_above_flat_tops_has_zones_that_hold_them(profile, width):
+def test_a_fraction_above_flat_tops_has_zones_that_contain_them(profile, width):
     solution = contact.solve(
         contact.Scene(profile, E, contact.Periodic(), contact_fraction=width + 0.01)
     )
@@ -73,8 +71,8 @@ def test_a_fraction_above_flat_tops_has_zones_that_hold_them(profile, width):
         assert np.any((solution.zones[:, 0] - turns < lo) & (hi < solution.zones[:, 1] - turns))
 
 
-def test_a_fraction_a_hair_above_flat_tops_has_a_load_that_grows_as_its_root():
-    # The fraction itself is rounded to 1e-16: to 1e-7 of what it exceeds the flat top by.
+def test_the_load_grows_as_the_root_of_the_excess_over_the_flat_top():
+    # The fraction is rounded by 1e-16, that is, by 1e-7 of its excess over the flat top.
     loads = [
         contact.solve(
             contact.Scene(TRAPEZOID, E, contact.Periodic(), contact_fraction=0.2 * (1 + over))
@@ -109,7 +107,7 @@ def test_a_half_width_a_hair_above_the_flat_part_has_the_load_of_the_closed_form
     assert abs(solution.load / IsolatedTruncatedWedge(0.01, 0.1, E, half_width).load - 1) < 1e-9
 
 
-def test_no_width_of_a_tip_is_taken_for_flat():
+def test_smooth_tips_are_not_taken_for_flat_tops():
     for profile in (
         contact.Sinusoid(1e-6, 1e-4),
         contact.Polynomial([0, 0, 0, 0, 0, 0, 0, 0, 1e20], period=1e-3),
@@ -122,8 +120,10 @@ def test_no_width_of_a_tip_is_taken_for_flat():
 
 
 class TestLightLoads:
-    """The ends of the contact pass the corners by (load / E* slope)^2 / 2d: far less than the
-    digits of their positions tell.
+    """Contact that ends very close to the corners of a flat top of the half width d.
+
+    The ends lie beyond the corners by (load / (E* slope))^2 / (2 d). This is far less than the
+    round-off of their positions.
     """
 
     @pytest.mark.parametrize("load", 10.0 ** np.arange(4, -10, -2))
@@ -141,9 +141,12 @@ class TestLightLoads:
         assert np.abs(solution.pressure_at(t) / exact - 1).max() <= solution.error <= 1e-9
         assert solution.certificate.holds and not solution.certificate.undecided
 
-    def test_unlike_corners_share_it_by_their_distances(self):
-        """K of the flat punch on |t| < 1 is P/(pi sqrt(2)), and a corner that turns by J at r from
-        an end makes (E* J/pi) sqrt(r) of it.
+    def test_unlike_corners_are_passed_by_distances_inverse_to_their_kinks_squared(self):
+        """The distance r of an end beyond its corner is proportional to (load / J)^2.
+
+        J is the change of the slope at the corner. A flat punch on |t| < 1 under the load P has
+        the intensity K = P/(pi sqrt(2)). The corner at the distance r from the end must cancel
+        it with (E* J/pi) sqrt(r).
         """
         profile = Plateaus((-0.5, -0.1, 0.1, 0.3, 0.5), (0.5, 0.0, 0.0, 0.6, 0.5))
         passed = []
@@ -159,9 +162,11 @@ class TestLightLoads:
 
 
 @pytest.mark.parametrize(("load", "tol"), [(1e-7, 1e-8), (1e-9, 1e-6)])
-def test_the_deepest_of_sharp_tips_is_found_by_a_load_that_touches_nothing_else(load, tol):
-    """A wedge alone, of slopes s and s': P = (E*/4) (b - a) (s + s') sin(pi s / (s + s')) for its
-    ends a and b.
+def test_a_light_load_touches_only_the_lowest_of_the_sharp_tips(load, tol):
+    """The width of contact is that of an isolated wedge.
+
+    With the slopes s and s' and the ends a and b, the load is
+    P = (E*/4) (b - a) (s + s') sin(pi s / (s + s')).
     """
     profile = Plateaus((-0.5, -0.21, 0.0, 0.1837, 0.5), (1.0, 0.0, 0.3, -1e-5, 1.0))
     solution = contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), load=load), tol=tol)
@@ -169,15 +174,15 @@ def test_the_deepest_of_sharp_tips_is_found_by_a_load_that_touches_nothing_else(
     left, right = 0.30001 / 0.1837, 1.00001 / 0.3163
     share = np.pi * right / (left + right)
     exact = 4 * load / ((left + right) * np.sin(share))
-    # The ends, as positions, are rounded.
+    # The positions of the ends are rounded, which limits the accuracy of the width.
     assert abs(np.diff(solution.zones)[0, 0] / exact - 1) < solution.error <= tol
     with pytest.raises(contact.NotConverged, match="positions so far from x = 0"):
         contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), load=load), tol=1e-10)
 
 
 @pytest.mark.slow
-def test_a_row_of_flat_tops_is_solved_at_any_load_from_nothing_and_from_the_last_load():
-    """What the ends pass the corners by goes with the square of the load."""
+def test_a_row_of_flat_tops_is_solved_at_any_load_with_and_without_a_warm_start():
+    """The distance of an end beyond its corner is proportional to the square of the load."""
     profile = Plateaus(
         (-0.5, -0.35, -0.25, 0.25, 0.35, 0.5), (0.2, 0.2, 0.0, 0.0, 0.2, 0.2), symmetric=True
     )

@@ -1,6 +1,4 @@
-"""The figure shows what the solution says, in the units of its labels, and changes nothing outside
-itself.
-"""
+"""Figures show the numbers of a solution in the labelled units, and change no global setting."""
 
 from __future__ import annotations
 
@@ -59,11 +57,11 @@ class TestPanels:
         drawn = lines(plotting.plot(solution).axes[0])
         x = drawn["profile"][:, 0] * 1e-6
         apart = (drawn["profile"] - drawn["deformed surface"])[:, 1] * 1e-6
-        # At an end the stand-in's gap is a difference of terms of sqrt(roundoff) times the
-        # amplitude.
+        # Near an end the stand-in's gap is a difference of two terms of the size
+        # sqrt(round-off) times the amplitude.
         assert np.allclose(apart, solution.gap(x), rtol=0, atol=2e-14)
         touching = np.isfinite(drawn["contact"][:, 1])
-        # An even sample a rounding away from an end may fall on either side of it.
+        # Samples within round-off of an end may count as contact or as gap.
         clear = np.abs(np.abs(x) - 0.2 * L) > 1e-12 * L
         assert np.array_equal(touching[clear], np.abs(x[clear]) < 0.2 * L)
 
@@ -81,7 +79,7 @@ class TestPanels:
         assert hi - lo == pytest.approx(6 * width, rel=1e-9)
         assert any(lo < middle < hi for middle in solution.zones.mean(axis=1))
 
-    def test_the_pointer_to_the_second_column_leaves_the_spike_to_be_seen(self):
+    def test_the_pointer_to_the_second_column_does_not_hide_the_spike(self):
         solution = westergaard(half_width=0.001 * L)
         for whole in plotting.plot(solution).axes[::2]:
             pointers = [
@@ -107,7 +105,7 @@ class TestPanels:
         top = plotting.plot(solution).axes[0]
         x, y = next(t.xy for t in top.texts if t.get_text() == "body")
         lo, hi = top.get_xlim()
-        # A punch is body over its width alone.
+        # The punch is a body only over its own width: |x| < 10 in the unit of the axis.
         assert abs(lo + x * (hi - lo)) < 10 and y > 0.5
         assert next(t.xy[1] for t in top.texts if t.get_text() == "counter-face") < 0.5
 
@@ -135,7 +133,7 @@ class TestScenes:
         figure = plotting.plot(solution)
         figure.savefig(tmp_path / "out.png", dpi=50)
         assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
-        # What matplotlib uses may be deprecated by others.
+        # Libraries that matplotlib uses may cause deprecation warnings.
         assert all(
             issubclass(warning.category, (contact.ModelWarning, DeprecationWarning))
             for warning in recwarn
@@ -143,7 +141,7 @@ class TestScenes:
         for axes in figure.axes:
             assert np.isfinite([*axes.get_xlim(), *axes.get_ylim()]).all()
 
-    def test_an_infinite_peak_is_said_and_the_axis_stays_finite(self):
+    def test_an_infinite_peak_is_named_and_the_axis_stays_finite(self):
         solution = contact.solve(
             contact.Scene(contact.Flat(2e-5), 1.1e11, contact.Isolated(), load=1e3)
         )
@@ -158,7 +156,7 @@ class TestScenes:
     ids=["JKR", "Dugdale"],
 )
 @pytest.mark.parametrize("load", [100.0, 0.0, -4.0])
-def test_a_tension_far_above_the_peak_pressure_is_cut_off_and_told(law, said, load):
+def test_a_tension_far_above_the_peak_pressure_is_cut_off_and_named(law, said, load):
     scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(), law=law, load=load)
     solution = contact.solve(scene)
     (bottom,) = (
@@ -177,7 +175,7 @@ def test_a_tension_far_above_the_peak_pressure_is_cut_off_and_told(law, said, lo
 
 
 def scenes():
-    """A scene of each kind, at sizes from nanometres to metres."""
+    """Scenes of each kind by name, with sizes from nanometres to metres."""
     wave, alone, row = contact.Sinusoid(1e-6, L), contact.Isolated(), contact.Periodic()
     rough = contact.Fourier(1e-3, cosine=[1e-6 / k for k in range(1, 60)])
     return {
@@ -202,7 +200,7 @@ def scenes():
 
 @pytest.fixture(scope="module", params=list(scenes()))
 def drawn(request):
-    """A solution and its figure."""
+    """A solution of each scene, and its figure."""
     solution = contact.solve(scenes()[request.param], tol=1e-6)
     return solution, plotting.plot(solution)
 
@@ -265,7 +263,7 @@ def prefix_factor(letter: str) -> float:
     ("name", "shown"),
     [("cohesive", "cohesive tension"), ("sliding", "shear"), ("plastic", "plateau")],
 )
-def test_what_a_law_adds_to_the_pressure_is_drawn_and_named(name, shown):
+def test_the_legend_names_tensions_shears_and_plateaus_of_a_law(name, shown):
     solution = contact.solve(scenes()[name], tol=1e-6)
     figure = plotting.plot(solution)
     assert shown in [text.get_text() for text in figure.legends[0].get_texts()]
@@ -335,7 +333,7 @@ class TestComparison:
 
 
 def grey(colour: str) -> float:
-    """The luminance of a colour as a printer has it."""
+    """The luminance of a colour: its shade of grey in print."""
     red, green, blue = colors.to_rgb(colour)
     return 0.299 * red + 0.587 * green + 0.114 * blue
 
@@ -390,7 +388,7 @@ class TestStresses:
 def test_neither_pyplot_nor_a_setting_is_touched():
     code = (
         "import contact, matplotlib, sys\n"
-        # Reading the setting of the backend itself would load pyplot.
+        # Reading the setting "backend" would itself load pyplot.
         "settings = lambda: {k: matplotlib.rcParams[k] for k in matplotlib.rcParams if k != 'backend'}\n"
         "before = settings()\n"
         "from contact.solution.plotting import plot\n"
@@ -424,7 +422,7 @@ class TestUnits:
         assert quantity(2e-3, "Pa") == "0.002 Pa"
         assert quantity(3e12, "N/m^2") == "3000 kN/mm²"
 
-    def test_values_are_told_with_unit_and_what_has_none_in_words(self):
+    def test_values_have_units_and_undefined_values_are_named_in_words(self):
         assert quantity(2e7, "Pa") == "20 MPa"
         assert quantity(-2.5e-7, "m") == "-250 nm"
         assert quantity(0.0, "m") == "0 m"

@@ -1,4 +1,4 @@
-"""Sums of powers at many points: a geometric series and a sum to more digits, at all depths."""
+"""Power sums at many points, against a geometric series and sums in higher precision."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,11 @@ EPS = np.finfo(float).eps
 
 
 def points(rng, count):
-    """Logarithms of w: rows of one depth, depths over decades, and the edge of the disc."""
+    """Logarithms of points w in the unit disc, at random angles.
+
+    The depth is -Re log w. There are rows of points at four depths, of which 0 is the edge of
+    the disc. Other points have random depths over several decades.
+    """
     depth = (
         2
         * np.pi
@@ -40,11 +44,12 @@ def test_no_digits_are_lost_in_layers_of_many_points():
     c = (rng.normal(size=terms) + 1j * rng.normal(size=terms)) / np.arange(1, terms + 1)
     exponent = points(rng, 500)
     value, slope = power_sums(c, exponent)
-    some = rng.permutation(4 * 500)[:60]  # in rows of one depth
+    some = rng.permutation(4 * 500)[:60]  # from the rows of equal depth
     angle = k * exponent.imag[some, None].astype(np.longdouble)
     size = np.exp(k * exponent.real[some, None].astype(np.longdouble))
     each = c * size * (np.cos(angle) + 1j * np.sin(angle))
-    # Round-off is compared with the root mean square over all angles at the point's depth.
+    # The size of a sum for comparison is its root mean square over all angles at the point's
+    # depth.
     local = np.sqrt((np.abs(each) ** 2).sum(axis=1))
     steep = np.sqrt((np.abs(k * each) ** 2).sum(axis=1))
     assert np.max(np.abs(value[some] - each.sum(axis=1)) / local) < 30 * EPS
