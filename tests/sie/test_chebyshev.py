@@ -1,4 +1,4 @@
-"""Chebyshev nodes, sums and splittings keep the laws they are named for."""
+"""Chebyshev nodes, series and their parts on one zone, against closed forms and identities."""
 
 import mpmath
 import numpy as np
@@ -7,7 +7,7 @@ from numpy.polynomial import chebyshev as np_chebyshev
 
 from sie.basis import chebyshev
 
-# Both sides of the size where products with a stored matrix become fast transforms.
+# Sizes below and above the size from which fast transforms replace a stored matrix.
 SIZES = [1, 2, 5, 16, 95, 96, 97, 300]
 
 
@@ -36,7 +36,7 @@ def test_each_u_polynomial_has_one_coefficient(n):
 
 
 @pytest.mark.parametrize("n", SIZES)
-def test_projecting_rows_is_taking_coefficients_down_the_columns(n):
+def test_project_rows_gives_the_coefficients_of_each_column(n):
     values = np.random.default_rng(n).normal(size=(n, 3))
     assert chebyshev.project_rows(values) == pytest.approx(
         chebyshev.u_coefficients(values.T).T, abs=1e-13
@@ -47,7 +47,7 @@ def test_coefficients_of_a_pole_decay_at_its_rate():
     pole = 1.25
     rho = pole - np.sqrt(pole**2 - 1)
     g = chebyshev.u_coefficients(1 / (pole - chebyshev.lobatto(64)[0][1:-1]))
-    # 1/(z - t) = 2 sum rho^k U_{k-1}(t)
+    # With the pole z, 1/(z - t) = 2 sum rho^k U_{k-1}(t).
     k = np.arange(1, 33)
     assert g[:32] == pytest.approx(2 * rho**k, rel=1e-5, abs=1e-15)
     rate = np.polyfit(k, np.log(np.abs(g[:32])), 1)[0]
@@ -70,7 +70,7 @@ def test_the_matrix_of_values_is_that_of_the_polynomials():
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 10, 41])
-def test_the_bounded_part_and_the_rest_are_the_whole(n):
+def test_the_singular_and_the_bounded_part_add_up_to_the_density(n):
     rng = np.random.default_rng(n)
     c, t = rng.normal(size=(2, n)), rng.uniform(-0.99, 0.99, 9)
     alpha, beta, uk = chebyshev.bounded_part(c)
@@ -84,7 +84,7 @@ def test_the_bounded_part_and_the_rest_are_the_whole(n):
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 10, 41])
-def test_what_is_seen_at_the_ends_is_that_of_the_two_parts(n):
+def test_values_at_the_ends_are_those_of_the_singular_and_the_bounded_part(n):
     c = np.random.default_rng(n).normal(size=(3, n))
     alpha, beta, uk = chebyshev.bounded_part(c)
     k = np.arange(uk.shape[1])
@@ -96,7 +96,7 @@ def test_what_is_seen_at_the_ends_is_that_of_the_two_parts(n):
 
 
 def test_a_density_without_square_root_singularity_has_no_singular_part():
-    # sqrt(1 - t^2) U_2 = (T_1 - T_3) / (2 sqrt(1 - t^2)) ... twice.
+    # sqrt(1 - t^2) U_1 = (T_1 - T_3) / (2 sqrt(1 - t^2)).
     alpha, beta, uk = chebyshev.bounded_part(np.array([[0.0, 0.5, 0.0, -0.5]]))
     assert alpha[0] == 0 and beta[0] == 0
     assert uk[0] == pytest.approx([0.0, 1.0])

@@ -1,6 +1,4 @@
-"""Functions that do not return what an equation is about are refused by name, before anything is
-solved with them.
-"""
+"""Checks of a user's functions: wrong ones are refused by name before the equation is solved."""
 
 import numpy as np
 import pytest
@@ -79,13 +77,15 @@ def test_a_primitive_of_another_function_is_refused_by_name(primitive):
             (*LEVEL, sie.moment(0.0)),
             columns=(sie.Forcing(np.sin, primitive),),
         )
-    # It is not looked at where no condition is on potentials.
+    # Without a condition on potentials, the primitive is not checked.
     solve(sie.Forcing(np.sin, primitive), (sie.ZoneTotals(1.0),))
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_a_primitive_that_is_rounded_is_no_primitive_of_another_function(seed):
-    """A zone may be so narrow that the round-off of positions in it changes the heights."""
+def test_a_rounded_primitive_is_accepted(seed):
+    """The primitive is rounded to multiples of `unit`. On narrow zones far from the origin, this
+    rounding changes its slope by much, but it is no reason to refuse the primitive.
+    """
     rng = np.random.default_rng(seed)
     at, unit = rng.uniform(0.9, 1.1), 10 ** rng.uniform(-10.5, -9)
     zones = at + np.array([[0.0, 2.2e-4], [5e-4, 8e-4]])
@@ -120,9 +120,9 @@ def test_a_sum_of_kernels_has_a_potential_only_if_all_of_them_have():
     assert (sie.hilbert(5.0) + whole).regular_potential is not None
 
 
-def test_rough_right_sides_with_their_own_primitives_are_taken():
-    """Kinks, jumps that are not declared, a fast wave, a large constant, and narrow zones far from
-    the origin.
+def test_rough_right_sides_with_their_own_primitives_are_accepted():
+    """The right sides have kinks, undeclared jumps, a fast wave or a large constant in the
+    primitive. Each is also solved on narrow zones far from the origin.
     """
     for value, primitive in (
         (np.sign, np.abs),
@@ -140,7 +140,7 @@ def test_rough_right_sides_with_their_own_primitives_are_taken():
 
 # Symmetric sets
 # -----------------------------------------------------------------------------------------------------------------
-def test_data_that_are_no_mirror_images_are_refused_where_zones_are_said_to_be():
+def test_data_without_mirror_symmetry_are_refused_on_symmetric_zones():
     odd, even = sie.Forcing(np.sin, lambda x: -np.cos(x)), sie.Forcing(np.cos, np.sin)
     solve(odd, ends=MIRRORED, symmetric=True)
     with pytest.raises(ValueError, match="symmetric=True.*right side: value is not odd"):
@@ -157,7 +157,7 @@ def test_data_that_are_no_mirror_images_are_refused_where_zones_are_said_to_be()
         )
 
 
-def test_an_asymmetry_between_the_places_looked_at_is_stated():
+def test_an_asymmetry_between_the_check_points_enters_the_stated_error():
     bump = sie.Forcing(lambda x: np.sin(x) + 0.01 * np.exp(-(((x + 0.42) / 0.03) ** 2)))
     state = solve(bump, (sie.ZoneTotals(1.0),), MIRRORED, symmetric=True)
     assert state.density_error * state.size > 1e-3
@@ -168,7 +168,7 @@ def test_an_asymmetry_between_the_places_looked_at_is_stated():
 # ----------------------------------------------------------------------------------
 @pytest.mark.parametrize("reach", [0.0, 0.3, 2.0, 100.0, np.inf])
 @pytest.mark.parametrize("ends", [[[-1.0, 1.0]], TWO], ids=len)
-def test_a_regular_part_couples_whatever_reach_it_declares(reach, ends):
+def test_the_declared_reach_of_a_regular_part_does_not_change_the_solution(reach, ends):
     kernel = sie.Kernel(regular=lambda x, xi: np.cos(2 * (x - xi)), reach=reach)
     state = solve(sie.Forcing(np.sin), (sie.ZoneTotals(1.0),), ends, kernel)
     other = solve(
@@ -178,7 +178,8 @@ def test_a_regular_part_couples_whatever_reach_it_declares(reach, ends):
     t = np.linspace(-0.9, 0.9, 9)
     for i in range(len(ends)):
         assert state.density.at_t(i, t) == pytest.approx(other.density.at_t(i, t), abs=1e-13)
-    # By quadrature of its own: what the regular part adds to the poles' transform.
+    # Independent check: the regular part's transform by Gauss's rule (`rest`), plus the transform
+    # with 1 / (x - xi) alone (`poles`), is the right side.
     angle = (np.arange(60) + 0.5) * np.pi / 60
     middle, half = state.density.zones.middle[:, None], state.density.zones.half[:, None]
     xi = middle + half * np.cos(angle)
@@ -198,9 +199,9 @@ def test_a_regular_part_couples_whatever_reach_it_declares(reach, ends):
     assert state.density_error < 1e-12
 
 
-def test_modes_of_many_zones_grow_one_by_one_with_a_kernel_of_ones_own():
-    """Of lightly loaded zones rounding of their neighbours' fields is no tail; what one zone needs
-    the others need not have.
+def test_with_a_user_s_kernel_only_zones_that_need_more_modes_get_more():
+    """Only the two zones beside the narrow gap, 19 and 20, need many modes. Round-off from the
+    neighbours' fields in lightly loaded zones must not count as truncation.
     """
     place = np.arange(40)
     light, narrow = place % 7 == 3, place % 9 == 5
@@ -227,14 +228,14 @@ def test_modes_of_many_zones_grow_one_by_one_with_a_kernel_of_ones_own():
         ({"regular_potential": lambda x, xi: x}, "no regular part"),
     ],
 )
-def test_kernels_that_mean_nothing_are_refused_by_name(options, message):
+def test_invalid_kernels_are_refused_by_name(options, message):
     with pytest.raises(ValueError, match=message):
         sie.Kernel(**options)
 
 
-def test_a_primitive_that_is_rounded_to_more_than_it_rises_by_is_not_called_wrong():
-    # On a zone of 1e-10 a primitive of the size of one keeps nothing of the rise of a function that
-    # is as small as the places.
+def test_a_primitive_that_rises_by_less_than_its_round_off_is_accepted():
+    # On zones about 1e-10 wide, the primitive 1 + x^2 rises by less than its round-off of 1e-16.
+    # So its rise cannot be checked, and it must not be refused.
     forcing = sie.Forcing(lambda x: 2 * x, lambda x: 1 + x**2)
     zones = sie.Zones.of(np.array([[-1e-10, 1e-10], [2e-10, 3e-10]]))
     check_functions(sie.Equation(sie.cauchy(), forcing, (sie.EqualPotential(),)), zones)

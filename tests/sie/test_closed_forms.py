@@ -1,4 +1,4 @@
-"""The closed forms are held to the singular integral itself, by adaptive quadrature."""
+"""The closed forms of `exact` satisfy the singular integral equation, by adaptive quadrature."""
 
 import ast
 import math
@@ -24,7 +24,8 @@ FORMS = [
 ]
 each_form = pytest.mark.parametrize("form", FORMS, ids=lambda form: type(form).__name__)
 
-# The quadrature is asked for 1e-12; its pieces and the singular ends cost two digits of it.
+# The quadrature has the tolerance 1e-12. The sum over its pieces and the singular ends cost two
+# digits.
 TOL = 1e-10
 
 
@@ -56,7 +57,7 @@ def test_the_right_side_is_the_derivative_of_its_primitive(form):
     for x in points(form):
         nodes = np.array([-2, -1, 1, 2]) * h
         slope = np.dot(form.primitive(x + nodes), [1 / 12, -2 / 3, 2 / 3, -1 / 12]) / h
-        # Fourth-order differences: h^4 times a fifth derivative of at most (2 pi)^5.
+        # The difference has an error of h^4 times a fifth derivative of at most (2 pi)^5.
         assert slope == pytest.approx(float(form.value(x)), abs=2e-8)
 
 
@@ -79,7 +80,7 @@ def test_a_period_much_longer_than_the_zone_leaves_the_isolated_forms():
         (exact.Westergaard(a, far, 2.0), exact.Hertz(a, 2.0 * 2 * math.pi / far)),
     ]
     for periodic, isolated in pairs:
-        # The images act like (pi a / L)^2 / 6.
+        # The periodic images change the density by about (pi a / L)^2 / 6 of itself.
         assert periodic.at(t) == pytest.approx(isolated.at(t), rel=(math.pi * a / far) ** 2 + 1e-14)
 
 
@@ -99,10 +100,10 @@ def test_a_prescribed_intensity_is_what_remains_at_the_end():
     d = 1e-12
     assert float(form.at(1 - d / 0.7)) * math.sqrt(d) == pytest.approx(
         -0.2, rel=1e-4
-    )  # t loses 1e-16 / (d/a)
+    )  # 1 - t = d / a has a round-off of 1e-16
 
 
-def test_two_zones_share_one_level():
+def test_the_slope_of_the_gap_between_two_zones_integrates_to_zero():
     form = exact.TwoZones(0.3, 0.8, 2.0)
     gap = reference.quad(
         lambda x: (
@@ -117,7 +118,7 @@ def test_two_zones_share_one_level():
 @pytest.mark.parametrize(
     "wrong", [exact.Hertz(0.7, 3.0 * (1 + 1e-6)), exact.Wedge(0.7 * (1 + 1e-6), 3.0)]
 )
-def test_a_density_off_by_a_millionth_does_not_pass(wrong):
+def test_a_density_wrong_by_a_millionth_is_detected(wrong):
     right = exact.Hertz(0.7, 3.0)
     x = 0.31
     found = reference.transform(

@@ -1,4 +1,4 @@
-"""Compiled loops: the numbers of the array operations, whatever the number of threads."""
+"""Compiled loops give the numbers of the array operations, with any number of threads."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from sie.trees.tree import TERMS, Tree
 
 @pytest.fixture(params=[1, 2, 3])
 def threads(request, monkeypatch) -> None:
-    """Another number of threads, whatever the processors."""
+    """Run the test with a given number of threads, whatever the number of processors."""
     monkeypatch.setattr(compiled, "threads", lambda: request.param)
     monkeypatch.setattr(compiled, "TERMS_PER_THREAD", 1)
 
 
 def far_fields(count: int, kernel: sie.Kernel, rough: bool) -> list[np.ndarray]:
-    """Fields of random intervals of very unlike widths on each other, without near ones."""
+    """Fields of random intervals on distant intervals; the widths vary over four decades."""
     rng = np.random.default_rng(5)
     ends = np.cumsum(rng.uniform(0.1, 1.0, 2 * count) * 10.0 ** rng.uniform(-4, 0, 2 * count))
     a, b = np.reshape(ends / (1.1 * ends[-1]), (-1, 2)).T
@@ -47,7 +47,9 @@ def test_far_fields_are_those_of_arrays(kernel, rough, threads, monkeypatch) -> 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["line", "period"])
 @pytest.mark.parametrize("symmetric", [False, True])
 def test_near_fields_are_those_of_matrices(kernel, symmetric, threads, monkeypatch) -> None:
-    """With all terms they agree to round-off, with those of half of the digits to 1e-7."""
+    """With all terms the fields agree to round-off. With `rough`, which sums only the terms for
+    half of the digits, they agree to 1e-6.
+    """
     rng = np.random.default_rng(6)
     ends = np.cumsum(10.0 ** rng.uniform(-3, 0, 60)).reshape(-1, 2) / 60
     table = np.concatenate((-ends[::-1, ::-1], ends)) if symmetric else ends
@@ -93,7 +95,7 @@ def test_an_error_in_a_thread_is_raised_and_settings_of_warnings_hold_there(thre
 
 
 @pytest.mark.parametrize(("asked", "most"), [("1", 1), ("", 10**6), ("nothing", 10**6)])
-def test_threads_are_as_many_as_asked_for(asked, most, monkeypatch) -> None:
+def test_omp_num_threads_limits_the_number_of_threads(asked, most, monkeypatch) -> None:
     monkeypatch.setenv("OMP_NUM_THREADS", asked)
     assert 1 <= compiled.threads() <= most
 
@@ -136,7 +138,8 @@ def test_densities_of_jumps_are_those_of_arrays(threads, monkeypatch) -> None:
     wanted = jumps.density(zone, left, 2 - left)
     monkeypatch.setattr(compiled, "MIN_TERMS", 0)
     found = jumps.density(zone, left, 2 - left)
-    # Arrays that `broadcast_arrays` returns, and those with steps, are copied before a loop.
+    # Arrays from `broadcast_arrays` and arrays with strides are copied before a loop, without a
+    # warning.
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         same = jumps.density(*np.broadcast_arrays(zone, 0.3, 1.7))

@@ -1,13 +1,14 @@
 """Equations with a complex kappa on fixed ends: interface cracks and bonded punches.
 
-A density is p + i q of two coupled real ones, and kappa = i beta. With alpha = 1/2 - i eps,
-eps = artanh(beta) / pi, it oscillates next to its ends as d^(i eps) (M. L. Williams, Bull. Seism.
-Soc. Am. 49, 1959, 199-204). Designed problems have the transform F = Q - X M off the zones, with
+The density p + i q contains two coupled real densities p and q, and kappa = i beta. With
+alpha = 1/2 - i eps, eps = artanh(beta) / pi, the density oscillates as d^(i eps) at the distance d
+from an end (M. L. Williams, Bull. Seism. Soc. Am. 49, 1959, 199-204). Designed problems have the
+transform F = Q - X M off the zones. Zone k has the ends a and b, and
 
     X = prod y(z - b)^(A_k) y(z - a)^(B_k),    y(z) = z, or with a period L sin(pi z/L) L/pi,
 
-so that kappa phi + T phi = Q and phi = +-sin(pi A_k) |X| M, whatever kappa each zone has. M has
-given roots and poles, and Q the poles of X M.
+Then kappa phi + T phi = Q and phi = +-sin(pi A_k) |X| M, also if kappa differs between zones. M has
+given roots and poles; Q has the poles of X M.
 """
 
 from dataclasses import dataclass
@@ -24,7 +25,7 @@ EPS = np.arctanh(BETA) / np.pi
 
 
 class Parts(sie.Condition):
-    """The totals of some zones."""
+    """Condition: the totals of the zones with the indices `zones` are `values`."""
 
     def __init__(self, zones, values):
         self.zones, self.values = zones, np.array(values)
@@ -79,7 +80,7 @@ class Design:
         return z if self.period is None else np.sin(PI / self.period * z) * self.period / PI
 
     def polynomial(self, z, without=-1):
-        """M, without the factor of one pole."""
+        """M(z), without the factor of the pole with the index `without`."""
         out = np.clongdouble(self.factor) + 0 * z
         for root in self.roots:
             out = out * self.y(z - np.clongdouble(root))
@@ -89,7 +90,9 @@ class Design:
         return out
 
     def x_at(self, z):
-        """X at a point off the line, where sin w = e^(-iw) (1 - e^(2iw)) i/2 for Im w > 0."""
+        """X at a point z off the line. For Im w > 0, sin w = e^(-iw) (1 - e^(2iw)) i/2 avoids
+        overflow.
+        """
         z, side = np.clongdouble(z), 1 if np.imag(z) > 0 else -1
         out = 0
         for end, power in zip(self.ends.ravel(), self.powers.ravel(), strict=True):
@@ -121,7 +124,7 @@ class Design:
         return np.asarray(constant + of_poles(np.asarray(x, np.clongdouble)), complex)
 
     def near(self, zone, start, away):
-        """phi at start + away, with all digits for a small distance `away` from an end."""
+        """phi at start + away, with all digits if `start` is an end and `away` a small distance."""
         later = self.signs[zone + 1 :].sum() // 2
         out = self.polynomial(start + away) * np.sin(PI * self.powers[zone, 1]) * (-1.0) ** later
         for end, power in zip(self.ends.ravel(), self.powers.ravel(), strict=True):
@@ -135,7 +138,7 @@ class Design:
         return self.near(zone, np.where(left < right, a, b), np.where(left < right, left, -right))
 
     def total(self, zone):
-        """By the trapezoidal rule in s = log((x - a)/(b - x))."""
+        """Total of the density on a zone, by the trapezoidal rule in s = log((x - a)/(b - x))."""
         a, b = self.ends[zone].astype(np.longdouble)
         heights = [abs(np.angle((pole - a) / (b - pole))) for pole in self.poles]
         step = 2 * np.pi * min(2.5, *heights, 2.5) / 46
@@ -181,7 +184,7 @@ def test_many_designed_problems_are_solved_within_their_stated_errors():
 
 
 def interface_crack(half, traction, kappa=-1j * BETA):
-    """kappa = -i beta: the density is the slope of the opening plus i times that of the slip."""
+    """Density of a crack under a uniform traction: slope of the opening + i slope of the slip."""
     equation = sie.Equation(
         sie.cauchy(), lambda x: np.full(len(x), traction), sie.Total(0.0), kappa=kappa
     )
@@ -191,8 +194,9 @@ def interface_crack(half, traction, kappa=-1j * BETA):
 def test_an_interface_crack_has_the_stress_intensity_of_rice_and_sih():
     """K = sigma sqrt(pi a) (1 + 2 i eps) (2a)^(-i eps), J. Appl. Mech. 32, 1965, 418-423.
 
-    Ahead of the tip the traction is K r^(i eps) / sqrt(2 pi r). It is minus the transform, which
-    is K_density / sin(pi alpha) times r^(alpha - 1), and sin(pi alpha) is cosh(pi eps).
+    At the distance r ahead of the tip the traction is K r^(i eps) / sqrt(2 pi r). The traction is
+    minus the transform. The transform is K_density / sin(pi alpha) times r^(alpha - 1), where
+    sin(pi alpha) = cosh(pi eps).
     """
     a, traction = 2.0, 1.5 + 0.4j
     density = interface_crack(a, traction)
@@ -236,7 +240,7 @@ def test_two_collinear_interface_cracks_against_the_algebra_of_their_stress_func
     signs, none = -np.ones((2, 2), int), np.zeros(0)
     powers = [Design(ends, signs, kappa, np.zeros(k), none, s) for k in range(3)]
     first = complex(np.sum(powers[0].powers * ends))
-    totals = [one.total(0) for one in powers]  # of the powers x^k times s |X|
+    totals = [one.total(0) for one in powers]  # integrals of s |X| x^k, up to a common factor
     last = -(totals[2] + first * totals[1]) / totals[0]
     x = np.array([-1.2, -0.9, -0.21])
     exact = Design(ends, signs, kappa, np.roots([1, first, last]), none, s)
@@ -262,17 +266,18 @@ def test_a_bonded_flat_punch_has_its_closed_form():
 
 
 def test_bonded_punches_at_one_level_have_no_step_in_the_gap():
-    """The displacement's slope in the gap, the transform, has the integral zero."""
+    """The transform is the slope of the displacement; over the gap it integrates to zero."""
     still = sie.Forcing(np.zeros_like, np.zeros_like)
     conditions = sie.Total(1.0 + 0.5j), sie.EqualPotential()
     equation = sie.Equation(sie.cauchy(), still, conditions, kappa=1j * BETA)
     found = sie.solve(equation, sie.Zones.of([[-1.0, 0.0], [0.5, 2.5]], S, S))
     s = np.arange(-70, 70.1, 0.2)
     x = 0.5 / (1 + np.exp(-s))
-    in_gap = np.abs(s) < 36  # beyond it, round-off of x is larger than the distance from the end
+    in_gap = np.abs(s) < 36  # elsewhere, round-off of x exceeds the distance from the end
     part = np.where(in_gap, x * (0.5 - x) / 0.5, 0.0)
     field = np.where(in_gap, found.density.transform(np.where(in_gap, x, 0.25)), 0.0)
-    # The rest of the integral, next to both ends, is of the size exp(-36 / 2).
+    # The parts of the integral that are left out next to both ends are about
+    # exp(-36 / 2) = 1.5e-8.
     assert abs(0.2 * np.sum(part * field)) < 1e-7
     assert abs(0.2 * np.sum(part * np.abs(field))) > 0.05
 
@@ -298,7 +303,9 @@ def test_without_beta_real_and_imaginary_part_are_two_equations_of_the_first_kin
 
 
 def test_a_complex_kappa_leaves_equal_real_ones_real():
-    """Tables are kept from one solution to the next, and 0.5 equals 0.5 + 0j."""
+    """Cached tables are found by kappa, and 0.37 equals 0.37 + 0j. A table with complex numbers
+    must not be used in a real solution.
+    """
     zones = sie.Zones.of([[-1.0, 1.0]], S, S)
 
     def values(kappa):
@@ -345,6 +352,6 @@ def test_a_complex_kappa_leaves_equal_real_ones_real():
         ),
     ],
 )
-def test_what_a_complex_kappa_does_not_do_is_refused_by_name(made, message):
+def test_unsupported_complex_input_is_refused_by_name(made, message):
     with pytest.raises(ValueError, match=message):
         made()

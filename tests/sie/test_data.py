@@ -1,4 +1,4 @@
-"""Tables that are looked at some rows at a time."""
+"""Functions that work on a table in blocks of rows give the result for the whole table."""
 
 import numpy as np
 

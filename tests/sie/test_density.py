@@ -1,4 +1,4 @@
-"""The solved density evaluated anywhere: against quadrature, against itself, and at awkward places."""
+"""Density, transform and potential of a solution anywhere, against quadrature and identities."""
 
 import numpy as np
 import pytest
@@ -91,8 +91,8 @@ def test_the_derivative_of_the_potential_is_the_transform(case):
             )
             / h
         )
-        # Fourth order: h^4 over the fifth power of the distance from an end, at least 0.02;
-        # rounding 1e-16 / h.
+        # The fourth-order difference has an error of about h^4 / d^5, where d > 0.02 is the
+        # distance from the nearest end, plus round-off of 1e-16 / h.
         assert slope == pytest.approx(float(density.transform(x)), abs=1e-7)
 
 
@@ -100,7 +100,7 @@ def test_the_potential_is_continuous_across_the_ends(case):
     density, _, _ = case
     for end in ENDS.ravel():
         beside = density.potential(end + np.array([-1e-14, 0.0, 1e-14]))
-        # Next to a singular end it changes like sqrt(d).
+        # At the distance d from a singular end the potential has changed by about sqrt(d).
         assert np.ptp(beside) < 1e-6
 
 
@@ -118,7 +118,7 @@ def test_far_away_the_transform_decays_like_total_over_distance():
     for sign in (-1, 1):
         x = sign * distances
         leading = density.transform(x) * np.pi * x / density.total
-        # The next term is the moment over total and x.
+        # The next term of the expansion is moment / (total x), relative to the leading term.
         assert leading - 1 == pytest.approx(
             density.moment() / density.total / x, rel=0.02, abs=1e-14
         )
@@ -165,7 +165,7 @@ def test_a_singular_end_is_infinite_and_the_middle_is_not():
 
 
 @pytest.mark.parametrize("function", ["__call__", "transform", "potential"])
-def test_any_shape_of_places_is_answered_in_kind(case, function):
+def test_results_have_the_shape_of_the_array_of_places(case, function):
     density, _, _ = case
     f = getattr(density, function)
     assert f([]).shape == (0,)
@@ -177,7 +177,7 @@ def test_any_shape_of_places_is_answered_in_kind(case, function):
 
 
 @pytest.mark.parametrize("function", ["__call__", "transform", "potential"])
-def test_a_place_that_is_no_number_gives_no_number(case, function):
+def test_a_place_nan_gives_nan(case, function):
     density, _, _ = case
     with np.errstate(all="ignore"):
         found = getattr(density, function)([np.nan, 0.25])
@@ -190,8 +190,8 @@ def test_with_a_period_everything_repeats(periods):
     density = solved(sie.hilbert(1.0))
     x = np.array(FEW + MORE)
     for f in (density, density.transform, density.potential):
-        # Distances from an end are known to 1e-16 * 1000 there; next to a singular end that counts
-        # by 1 / d.
+        # After 1000 periods, the distance d from an end has a round-off of 1e-16 * 1000. Next to
+        # a singular end, the relative error of the density is this round-off divided by d.
         assert f(x + periods) == pytest.approx(f(x), rel=1e-8)
 
 
@@ -211,18 +211,18 @@ def test_zones_several_periods_away_are_the_same_zones(periods):
     ).density
     t = np.linspace(-0.9, 0.9, 9)
     for i in range(3):
-        # The ends are rounded to 100 eps, over the narrowest zone's width 0.08.
+        # The ends have a round-off of 100 eps, to be divided by the narrowest zone's width 0.08.
         assert moved.at_t(i, t) == pytest.approx(here.at_t(i, t), rel=1e-10, abs=1e-11)
 
 
-def test_a_far_wider_cluster_of_places_is_evaluated_in_blocks_as_one_by_one():
+def test_many_places_evaluated_in_blocks_have_the_values_of_few_places():
     density = solved(sie.cauchy())
     x = np.linspace(-0.5, 0.5, 150_001)
     some = np.arange(0, len(x), 7919)
     assert density.transform(x)[some] == pytest.approx(density.transform(x[some]), rel=1e-14)
 
 
-def test_the_same_places_in_all_zones_are_one_product_of_the_same_values(monkeypatch):
+def test_equal_positions_in_all_zones_are_evaluated_by_one_matrix_product(monkeypatch):
     density = solved(sie.hilbert(1.0))
     angle = (np.arange(40) + 0.3) * np.pi / 40
     left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
@@ -235,7 +235,7 @@ def test_the_same_places_in_all_zones_are_one_product_of_the_same_values(monkeyp
     assert np.abs(together - one_by_one).max() <= 1e-13 * np.abs(one_by_one).max()
 
 
-def test_sums_of_many_sines_are_those_of_all_sines_with_their_digits_beside_the_end():
+def test_sums_of_many_sines_keep_their_digits_beside_the_end():
     rng = np.random.default_rng(4)
     angle, k = np.geomspace(1e-9, 0.5 * np.pi, 60), np.arange(1, 3001)
     columns = rng.normal(size=(3000, 2)) / k[:, None] ** 2

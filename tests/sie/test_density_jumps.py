@@ -14,7 +14,7 @@ from tests.tiers import diagonal, quick
 ZONES = sie.Zones.of([[-1.3, 0.4], [0.9, 1.6]])
 NO_COEFFICIENTS = np.zeros((2, 1))
 PERIOD = 3.5
-# One jump of each order, one in each zone near an end, and one near a middle.
+# (position, order) of the jump, near the ends and near the middle of both zones.
 PLACES = [(-1.25, 0), (-0.45, 0), (1.1, 0), (-0.9, 1), (1.55, 1), (0.1, 2), (1.25, 2)]
 each_place = pytest.mark.parametrize(
     ("at", "order"), quick(PLACES, [(-0.45, 0), (-0.9, 1), (1.25, 2)])
@@ -22,7 +22,7 @@ each_place = pytest.mark.parametrize(
 
 
 def single(at, order, height=0.8, kernel=None):
-    """The density that a single jump is subtracted with, by the engine."""
+    """(jumps, density): the closed-form density that the engine subtracts for a single jump."""
     kernel = kernel or sie.cauchy()
     jumps = DensityJumps.inside(
         ZONES, np.array([at]), np.array([height]), np.array([order]), kernel
@@ -106,7 +106,11 @@ def test_the_integral_along_the_zone_is_that_of_the_density(at, order):
 
 
 def equation(kernel, at, order, height):
-    """Right sides whose densities are known: x alone beside the logarithm, bounded, with no total."""
+    """(equation, forcing) for a density with jumps, whose totals are zero.
+
+    The right side is x plus (height / pi) (x - at)^order ln|x - at| / order! for each jump. For
+    order 0 this term follows from the declared jump, so `value` does not contain it.
+    """
     q = np.array(order)
     factorial = np.array([1.0, 1.0, 2.0])[q]
 
@@ -114,7 +118,7 @@ def equation(kernel, at, order, height):
         with np.errstate(divide="ignore", invalid="ignore"):
             away = x[:, None] - at
             logs = away**q * np.log(np.abs(away)) / factorial
-        # At a node on a break itself there is no logarithm left to take.
+        # At x = at, this term has the limit zero.
         return x + np.where((q > 0) & (away != 0), logs, 0.0) @ height / np.pi
 
     forcing = sie.Forcing(
@@ -123,7 +127,7 @@ def equation(kernel, at, order, height):
     return sie.Equation(kernel, forcing, (sie.ZoneTotals(0.0),)), forcing
 
 
-def test_right_sides_with_logarithms_are_solved_with_few_modes_and_met_everywhere():
+def test_right_sides_with_logarithms_need_few_modes_and_are_satisfied_everywhere():
     at, order, height = (
         [-1.25, -0.45, 1.1, 0.2, 1.55],
         [0, 0, 0, 1, 2],
@@ -147,7 +151,7 @@ def test_right_sides_with_logarithms_are_solved_with_few_modes_and_met_everywher
 
 @pytest.mark.parametrize("half_width", [1e-3, 1e-9])
 def test_a_zone_far_from_the_origin_loses_no_digit_to_its_width(half_width):
-    # About 0.375 the zone is exact in binary, and so are its mirror images.
+    # With a power of two as half width, both ends are exact in binary and symmetric about 0.375.
     half_width = 2.0 ** np.round(np.log2(half_width))
     zone = sie.Zones.of([[0.375 - half_width, 0.375 + half_width]], sie.SINGULAR, sie.SINGULAR)
     forcing = sie.Forcing(
@@ -156,7 +160,9 @@ def test_a_zone_far_from_the_origin_loses_no_digit_to_its_width(half_width):
     problem = sie.Equation(sie.cauchy(), forcing, (sie.ZoneTotals(0.0),))
     state = sie.solve_fixed(problem, zone)
     t = np.array([-0.9, -0.2, 0.3, 0.8])
-    # By symmetry no c_1: -eta + c_1 T_1 / sqrt with the constant -(1/pi) ln(w/2).
+    # With the half width w, the right side is -(1/pi) ln(w |t|). The density -eta has the
+    # transform -(1/pi) ln(2 |t|). The remaining constant -(1/pi) ln(w/2) is the transform of
+    # -constant T_1 / sqrt(1 - t^2).
     eta = np.arccos(t) / np.pi - (t < 0)
     constant = -np.log(half_width / 2) / np.pi
     assert state.density.at_t(0, t) == pytest.approx(
@@ -171,7 +177,8 @@ def test_the_potential_rises_by_the_integral_of_the_transform_from_end_to_end(at
     lo, hi = ZONES.b[0], ZONES.a[1]
     t, weight = np.polynomial.legendre.leggauss(40)
     u = 0.5 * (1 + t)
-    # The transform leaves the zones like a root.
+    # At the ends the transform has a singularity in the root of the distance. With this
+    # substitution the integrand is smooth.
     x = lo + (hi - lo) * u * u * (3 - 2 * u)
     risen = (hi - lo) * np.sum(weight * density.transform(x) * 3 * u * (1 - u))
     assert np.diff(density.potential(np.array([lo, hi])))[0] == pytest.approx(risen, abs=1e-14)
@@ -214,13 +221,13 @@ def test_a_logarithm_just_outside_has_its_own_bounded_density(at):
             / np.sin(theta)
         )
         assert density.at_t(zone, t) == pytest.approx(summed, abs=slow)
-        # At a logarithm in the very end, the density has a limit that is not zero.
+        # If the logarithm lies exactly at an end, the density there has a limit that is not zero.
         limits = np.where(ZONES.table[zone] == at, -0.8, 0.0)
         assert density.at_t(zone, np.array([-1.0, 1.0])) == pytest.approx(limits, abs=1e-15)
 
 
 @pytest.mark.parametrize(("at", "kernel"), diagonal(OUTSIDE, ["cauchy", "hilbert"]))
-def test_its_transform_potential_and_integral_are_those_of_the_density(at, kernel):
+def test_fields_of_a_logarithm_outside_a_zone_are_those_of_its_density(at, kernel):
     kernel = sie.cauchy() if kernel == "cauchy" else sie.hilbert(PERIOD)
     _, density = beside(at, kernel)
     plain = reference.cauchy if kernel.period is None else reference.hilbert(PERIOD)

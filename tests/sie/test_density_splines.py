@@ -1,5 +1,5 @@
-"""Very many jumps of a density: a spline in their place is the same density, of few large numbers
-and few jumps.
+"""A density with very many jumps. A spline replaces the sum over single jumps: the density is the
+same, but few jumps remain, and its round-off is smaller.
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ KERNEL = sie.cauchy()
 def both(
     seed: int = 5, more: float = 0.0, bent: int = 0
 ) -> tuple[DensityJumps, DensityJumps, sie.Zones]:
-    """(all jumps of a quadratic spline one by one, the same with a spline in their place, the
-    zone). more: of a wave beside the spline; bent: jumps of other orders beside them.
+    """(single jumps of a quadratic spline, the same with a spline in their place, the zone).
+
+    more: amplitude of a wave added to the spline; bent: number of further jumps, of orders from 0.
     """
     rng, n = np.random.default_rng(seed), OPTIONS.min_density_jumps + 40
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
@@ -74,7 +75,7 @@ def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density(
     assert other.rounding(1)[0] < 0.1 * one.rounding(1)[0]
 
 
-def test_both_kinds_of_splines_answer_the_same_questions_and_refuse_what_they_do_not_have() -> None:
+def test_a_spline_in_the_density_has_no_potential() -> None:
     spline = both()[1].splines[0]
     theta = np.linspace(0.3, 2.8, 50)
     with pytest.raises(ValueError, match="potentials"):
