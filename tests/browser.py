@@ -1,5 +1,6 @@
-"""A real browser for tests: Debian's Chromium without a window, told by its DevTools protocol what
-to do. Nothing is downloaded.
+"""A real browser for tests: Debian's Chromium without a window.
+
+The tests control it by its DevTools protocol. Nothing is downloaded.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ CHROMIUM = next(
 )
 MISSING = "no Chromium is installed (Debian: apt-get install chromium)"
 
-# What stands in shadow roots is found too.
+# A JavaScript function that finds elements by a selector, also within shadow roots.
 _DEEP = """
 function deep(wanted, root = document) {
     const found = [...root.querySelectorAll(wanted)];
@@ -41,8 +42,10 @@ function deep(wanted, root = document) {
 
 
 class Page:
-    """One tab. `requests` are the addresses it has asked for, `told` what sockets have sent it,
-    `faults` what its scripts complained of.
+    """One tab of the browser.
+
+    `requests` are the addresses that the tab asked for. `told` are the messages that web
+    sockets sent to it. `faults` are the uncaught errors of its scripts.
     """
 
     def __init__(self, socket: Any, loop: asyncio.AbstractEventLoop) -> None:
@@ -52,7 +55,7 @@ class Page:
         self.faults: list[str] = []
 
     def tell(self, method: str, **params: Any) -> dict[str, Any]:
-        """One command, and its result."""
+        """Send one command of the DevTools protocol; return its result."""
         self._count += 1
         self._loop.run_until_complete(
             self._send({"id": self._count, "method": method, "params": params})
@@ -91,8 +94,9 @@ class Page:
         self.tell("Page.navigate", url=address)
 
     def run(self, script: str) -> Any:
-        """The value of an expression; `deep(selector)` lists elements, those in shadow roots among
-        them.
+        """The value of a JavaScript expression.
+
+        In it, `deep(selector)` lists elements, also those within shadow roots.
         """
         done = self.tell(
             "Runtime.evaluate",
@@ -105,7 +109,7 @@ class Page:
         return done["result"].get("value")
 
     def until(self, holds: Callable[[], Any], seconds: float = 60.0) -> Any:
-        """What `holds` gives once it is true."""
+        """Wait until `holds()` is true and return its value; TimeoutError after `seconds`."""
         end = time.monotonic() + seconds
         while not (value := holds()):
             if time.monotonic() > end:
@@ -119,14 +123,14 @@ class Page:
         self.tell("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
     def click(self, script: str, times: int = 1) -> None:
-        """On the middle of an element."""
+        """Click on the middle of an element, given by a JavaScript expression."""
         x, y = self.middle(script)
         for count in range(1, times + 1):
             for kind in ("mousePressed", "mouseReleased"):
                 self.mouse(kind, x, y, button="left", clickCount=count)
 
     def drag(self, script: str, by: float, steps: int = 10) -> None:
-        """An element, to the right."""
+        """Drag an element to the right by `by` pixels, from its middle."""
         x, y = self.middle(script)
         self.mouse("mousePressed", x, y, button="left", clickCount=1)
         for step in range(1, steps + 1):
@@ -145,7 +149,7 @@ class Page:
         self.tell("Input.insertText", text=text)
 
     def resize(self, width: int, height: int = 1000) -> None:
-        """A window of so many pixels, with the scroll bars of a phone."""
+        """Set the size of the window in pixels, and emulate a phone's scroll bars."""
         self.tell(
             "Emulation.setDeviceMetricsOverride",
             width=width,
@@ -164,7 +168,7 @@ class Page:
 
 @contextlib.contextmanager
 def browser(width: int = 1300, height: int = 1000) -> Iterator[Page]:
-    """A tab of a new browser, which ends with the block."""
+    """A tab of a new browser; the browser ends with the `with` block."""
     assert CHROMIUM is not None, MISSING
     loop = asyncio.new_event_loop()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as home:
@@ -215,7 +219,7 @@ async def _end(socket: Any) -> None:
 
 
 def _port(file: Path) -> int:
-    """The port that the browser has chosen, once it has written it down."""
+    """The port that the browser has chosen; wait until the browser has written it to the file."""
     end = time.monotonic() + 60.0
     while not (file.exists() and file.read_text().strip()):
         if time.monotonic() > end:

@@ -15,8 +15,9 @@ import pytest
 from hypothesis import settings
 
 if "PYTEST_XDIST_WORKER" in os.environ:
-    # Once numpy is loaded they count no more: nothing named in pyproject.toml may import it, so the
-    # filter of warnings stands here.
+    # numpy reads these variables only when it is loaded, so it must not be loaded before. The
+    # filter of warnings is set in `pytest_configure`, because in pyproject.toml it would import
+    # numpy.
     if "numpy" in sys.modules:
         warnings.warn(
             "numpy was loaded before conftest.py: every process uses every core, and the tests are slow",
@@ -27,8 +28,10 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Fewer examples where the slow tests are left out; shapes steeper than surfaces are may be
-    solved, to see more of them.
+    """Register the hypothesis profile, and ignore `contact.ModelWarning`.
+
+    If the slow tests are left out, each property is tested with fewer examples. The warning is
+    ignored because some tests solve shapes with steeper slopes than the model allows.
     """
     config.addinivalue_line("filterwarnings", "ignore::contact.ModelWarning")
     count = 10 if config.getoption("markexpr") == "not slow" else 60
@@ -41,7 +44,7 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.fixture
 def newton_steps(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], Any]], Any]:
     """Function that returns the number of Newton steps in a call, and the result of the call."""
-    # numpy is loaded by this import, and must not be before the threads are limited above.
+    # This import loads numpy, so it must come after the thread limits above.
     from sie.ends import newton
 
     count, real = [0], newton.solve_zones
@@ -61,8 +64,9 @@ def newton_steps(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], Any]
 
 
 def pytest_make_parametrize_id(config: pytest.Config, val: Any, argname: str) -> str | None:
-    """Bytes (packed files have the time in them), long texts and long numbers are named by their
-    argument.
+    """Name bytes, long texts and long numbers in test ids by their argument.
+
+    The ids must not change from run to run, and packed files contain the time.
     """
     text = isinstance(val, str) and len(val) > 60
     return (
@@ -73,9 +77,7 @@ def pytest_make_parametrize_id(config: pytest.Config, val: Any, argname: str) ->
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Processes that share the tests must call them by the same names, so there are no addresses in
-    these.
-    """
+    """Refuse test ids that contain an address: parallel processes must agree on all ids."""
     for item in items:
         if re.search(r" at 0x[0-9a-f]+", item.nodeid):
             raise pytest.UsageError(f"{item.nodeid}: its name has an address in it; give it an id")

@@ -1,28 +1,35 @@
-r"""Exact contacts of profiles with corners: one zone in closed form, and many zones folded out of
-it.
+r"""Exact contacts of profiles with corners: one zone in closed form, and many zones by folding.
 
-**One zone** [a, b] of f' = c0 + c1 (x - m) + sum J H(x - s) + sum Q (x - s)_+ : jumps J and Q of
-slope and curvature at s. With x - a : b - x = 1 + cos(theta) : 1 - cos(theta), s at phi, a step
-alone has the Chebyshev series (2/pi) sum sin(k phi) cos(k theta)/k + phi/pi, so that (w the half
-width)
+**One zone** [a, b] has the middle m and the half width w. The slope of the profile is
 
-    p = (E*/2 pi) sum J kappa(theta, phi) + (E* w/2 pi) sum Q [(t - cos phi) kappa + phi sin(theta)]
-    + (E* w/2) c1 sin(theta)
-        + (C - D cos(theta))/sin(theta),   kappa = ln|sin((theta + phi)/2)/sin((theta - phi)/2)|,
-    D = (E*/2)(mean of f' with the weight 1/(pi sin theta)),   C = D, -D at an end where p is bounded, and free at corners,
-    P = (E* w/2) sum J sin(phi) + (E* w^2/4) sum Q (phi - sin(phi) cos(phi)) + pi E* w^2 c1/4 + pi w C.
+    f' = c0 + c1 (x - m) + sum J H(x - s) + sum Q (x - s)_+ ,
 
-With a period L (no Q, no c1) the map y = tan(pi(x - m)/L)/tan A, A = pi w/L, makes Hilbert's kernel
-Cauchy's and a constant, and with psi = arccos(sin(pi(s - m)/L)/sin A)
+with the unit step H and with jumps J of the slope and Q of the curvature at the places s. A point
+has the angle theta and the scaled position t = cos(theta), so that
+x - a : b - x = 1 + cos(theta) : 1 - cos(theta). The angle of s is phi. A unit step has the
+Chebyshev series (2/pi) sum sin(k phi) cos(k theta)/k + phi/pi. So the pressure p and the load P are
+
+    p = (E*/2 pi) sum J kappa(theta, phi)
+        + (E* w/2 pi) sum Q [(t - cos phi) kappa + phi sin(theta)]
+        + (E* w/2) c1 sin(theta) + (C - D cos(theta))/sin(theta),
+    kappa = ln|sin((theta + phi)/2)/sin((theta - phi)/2)|,
+    P = (E* w/2) sum J sin(phi) + (E* w^2/4) sum Q (phi - sin(phi) cos(phi))
+        + pi E* w^2 c1/4 + pi w C.
+
+Here D is E*/2 times the mean of f' with the weight 1/(pi sin theta). If p is bounded at b, then
+C = D; if p is bounded at a, then C = -D. With walls at both ends, C is free.
+
+With a period L there are no Q and no c1. Let A = pi w/L. The map y = tan(pi(x - m)/L)/tan A turns
+Hilbert's kernel into Cauchy's kernel plus a constant. With psi = arccos(sin(pi(s - m)/L)/sin A),
 
     D = (E*/2)(c0 + sum J psi/pi),   the last term of p  (C - D cos(theta)/cos A)/sin(theta),
     P = (E* L/2 pi) sum J artanh(sin A sin phi) + L sin A C.
 
-**Many zones.** If a profile h(y) has the one zone [alpha, beta], pressure q and gap d, then f(x) =
-h(Q(x)) with a polynomial or trigonometric polynomial Q whose n roots of Q = y are all real for
-every y of the zone has the n zones Q^-1([alpha, beta]), the pressure |Q'| q(Q(x)) and the gap
-d(Q(x)), since sum_k K(x - xi_k) = Q'(x)/(Q(x) - y) over the roots xi_k: corners in every zone, at
-one level, and no two zones alike.
+**Many zones.** Let a profile h(y) have the one zone [alpha, beta], the pressure q and the gap d.
+Let Q be a polynomial or trigonometric polynomial, such that all n roots x of Q(x) = y are real for
+every y of the zone. Then the profile f(x) = h(Q(x)) has the n zones Q^-1([alpha, beta]), the
+pressure |Q'| q(Q(x)) and the gap d(Q(x)). The reason is sum_k K(x - xi_k) = Q'(x)/(Q(x) - y) over
+the roots xi_k. Every zone has corners, all at the same heights, and no two zones are alike.
 """
 
 from __future__ import annotations
@@ -45,12 +52,13 @@ def rows(values):
 
 @dataclass(frozen=True, eq=False)
 class Bent(contact.Profile):
-    """Slope and bend at `middle`, where f = 0, and from there outwards the slope's jumps `steps`
-    and those of its derivative `bends`:
+    """A profile with corners; f = 0 at `middle`.
 
-    f' = slope + bend (x - middle) + sum J H(x - s) + sum Q (x - s)_+ over s on the right, - J H(s -
-    x) and + Q (s - x)_+ on the left: what is flat in the middle is so to the last digit. With a
-    period the cell begins at `start`, in a valley's corner.
+    f' = flat + bend (x - middle) + sum J H(x - s) + sum Q (x - s)_+ over jumps s right of `middle`,
+    with -J H(s - x) and +Q (s - x)_+ for jumps s left of it. Rows of `steps` are (s, J), rows of
+    `bends` are (s, Q). Sums outward from the middle keep a flat middle exactly flat. With a period
+    the cell begins at `start`, where a valley has its corner. `walls` are the ends of the body,
+    `finest` is its resolution.
     """
 
     middle: float
@@ -68,7 +76,7 @@ class Bent(contact.Profile):
     resolution = property(lambda self: self.finest)
 
     def _beyond(self, x, at):
-        """Signs of the sides of the jumps, and how far x lies beyond each on its side."""
+        """Side of `middle` (-1 or 1) of each jump; distance of x beyond the jump, or 0."""
         side = np.where(at < self.middle, -1.0, 1.0)
         return side, np.maximum(side * (np.asarray(self.wrap(x))[..., None] - at), 0.0)
 
@@ -94,7 +102,7 @@ class Bent(contact.Profile):
     def kinks(self):
         if self.period is None:
             return self.steps
-        # f repeats: what the slope gained over the period it loses at the border.
+        # f repeats, so at the border of the cell the slope jumps back by the sum of its jumps.
         return np.vstack(([[self.start, -self.steps[:, 1].sum()]], self.steps))
 
     @property
@@ -112,7 +120,7 @@ class Bent(contact.Profile):
 
 
 def polygon(x, height, period):
-    """The profile through measured points joined by straight lines, heights upwards; it repeats."""
+    """The periodic profile of straight lines through measured points; heights count upwards."""
     ends = np.append(x, x[0] + period)
     slopes = -np.diff(np.append(height, height[0])) / np.diff(ends)
     k = len(x) // 2
@@ -146,10 +154,11 @@ def _mean_of_ramp(phi):
 
 @dataclass(frozen=True, eq=False)
 class CorneredZone:
-    """The contact of a `Bent` profile on one zone (a, b); see the head of this file.
+    """Exact contact of a `Bent` profile on one zone (a, b), by the formulas of this file.
 
-    The slope left of the zone is the one that puts the zone there: `profile` has it. punch: what C
-    exceeds |D| by, for walls at both ends; `tilted` D over E*/2 there.
+    The slope left of the zone is chosen so that the contact is this zone; see `profile`. For
+    walls at both ends, `punch` is C - |D| (C - |D|/cos A with a period) and `tilted` is
+    D/(E*/2).
     """
 
     zone: tuple[float, float]
@@ -174,7 +183,7 @@ class CorneredZone:
         return 0.5 * (self.zone[1] - self.zone[0])
 
     def _sine(self, distance):
-        """sin(pi d/L), alone d: what stands for distances in both cases."""
+        """sin(pi d/L), or d itself without a period: a distance d as in the formulas."""
         return (
             np.asarray(distance)
             if self.period is None
@@ -182,7 +191,7 @@ class CorneredZone:
         )
 
     def _angle(self, left, right):
-        """theta from the distances to the ends."""
+        """The angle theta of points, from their distances to the left and the right end."""
         left, right = self._sine(left), self._sine(right)
         return 2 * np.arctan2(np.sqrt(np.maximum(right, 0.0)), np.sqrt(np.maximum(left, 0.0)))
 
@@ -191,8 +200,9 @@ class CorneredZone:
         return 0.5 * (self.zone[0] + self.zone[1])
 
     def _from_end(self, places):
-        """Angles of jumps from the end of their own half of the zone, 0 beyond it, and the signs of
-        their sides.
+        """Angles of jumps from the nearer end of the zone, and the signs of their halves.
+
+        The angle is 0 for a jump outside the zone.
         """
         a, b = self.zone
         s = np.clip(places, a, b)
@@ -203,12 +213,12 @@ class CorneredZone:
 
     @property
     def turn(self):
-        """A = pi w/L, 0 alone."""
+        """A = pi w/L; 0 without a period."""
         return 0.0 if self.period is None else np.pi * self.half / self.period
 
     @property
     def cosine(self):
-        """cos A, from the gap between the zone and its next image."""
+        """cos A, computed from the gap between the zone and its next image to keep digits."""
         a, b = self.zone
         return (
             1.0
@@ -218,17 +228,19 @@ class CorneredZone:
 
     @cached_property
     def profile(self):
-        """The profile that has its contact here; a periodic one has a valley's corner where it
-        closes, outside the zone.
+        """The profile whose contact is this zone.
+
+        A periodic profile has a corner in its valley, outside the zone, which makes it
+        periodic.
         """
         a, b = self.zone
         side, bent = self._from_end(self.steps[:, 0])[1], self._from_end(self.bends[:, 0])[0]
         s = np.clip(self.steps[:, 0], a, b)
-        # From sin(A - u) sin(A + u) = sin^2 A - sin^2 u; from the end of its own half, as phi.
+        # sin(A - u) sin(A + u) = sin^2 A - sin^2 u. Like phi, psi counts from the nearer end.
         psi = np.arctan2(
             np.sqrt(self._sine(s - a) * self._sine(b - s)), self._sine(np.abs(s - self.middle))
         )
-        # Sums of their own, so that what is the same on both sides leaves nothing.
+        # Steps and bends are summed separately, so that equal terms of the two halves cancel.
         mean = (self.steps[:, 1] * side * psi).sum() + self.half * (
             self.bends[:, 1] * _mean_of_ramp(bent)
         ).sum()
@@ -238,7 +250,7 @@ class CorneredZone:
             return Bent(self.middle, flat, self.bend, self.steps, self.bends, walls=walls)
         at, J = self.steps.T
         first = flat - J[at < self.middle].sum()
-        # first L + sum J (v - s) = 0 at the right border v of the cell
+        # f is periodic if first L + sum J (v - s) = 0, with the right border v of the cell.
         v = (J @ at - first * self.period) / J.sum() if len(J) else b + 0.5 * (self.period - b + a)
         assert b < v < a + self.period and np.all((at > v - self.period) & (at < v)), (
             "the valley falls into the zone"
@@ -254,7 +266,8 @@ class CorneredZone:
         phi, E, w = self._from_end(self.steps[:, 0])[0], self.E_star, self.half
         J = self.steps[:, 1]
         if self.period is not None:
-            # 1 - (sin A sin phi)^2 = (cos A/cos u)^2 at u = pi (s - m)/L
+            # artanh z = ln((1 + z)/sqrt(1 - z^2)) with z = sin A sin phi.
+            # Here 1 - z^2 = (cos A/cos u)^2 with u = pi (s - m)/L.
             inside = phi > 0
             u = np.pi / self.period * (self.steps[inside, 0] - self.middle)
             grown = np.log((1 + np.sin(self.turn) * np.sin(phi[inside])) * np.cos(u) / self.cosine)
@@ -286,8 +299,9 @@ class CorneredZone:
             return out + (self.excess - lean * np.cos(theta)) / np.sin(theta)
 
     def _kappa(self, left, right, s):
-        """kappa at distances from the ends for a jump at s, 0 outside the zone, and x - s; from the
-        distances, which keep digits.
+        """kappa for a jump at s (0 outside the zone), and x - s, for points x.
+
+        The points are given by their distances to both ends, which keep digits near the ends.
         """
         a, b = self.zone
         away = left - (s - a)
@@ -352,7 +366,7 @@ class Wave:
 
 @dataclass(frozen=True)
 class Power:
-    """Q(x) a polynomial, lowest power first."""
+    """The polynomial Q(x), lowest power first: its derivatives and roots."""
 
     coefficients: tuple[float, ...]
     period = None
@@ -376,7 +390,7 @@ def polished(map_, x, y):
 
 @dataclass(frozen=True, eq=False)
 class FoldedProfile(contact.Profile):
-    """h(Q(x)), with the jumps of h in every one of its branches."""
+    """The profile h(Q(x)). Every branch of Q has the jumps of h."""
 
     map_: Wave | Power
     base: contact.Profile
@@ -391,7 +405,7 @@ class FoldedProfile(contact.Profile):
 
     @cached_property
     def _places(self):
-        """Position, and what is jumped by in h', in h'', going upwards in y."""
+        """(place, jump of h', jump of h'') in every branch of Q; jumps count for growing y."""
         J, Q = self.base.steps, self.base.bends
         return [(x, size, 0.0) for y, size in J for x in self.map_.roots(y)] + [
             (x, 0.0, size) for y, size in Q for x in self.map_.roots(y)
@@ -421,7 +435,7 @@ class FoldedProfile(contact.Profile):
 
 @dataclass(frozen=True, eq=False)
 class FoldedContact:
-    """The contact of h(Q(x)) from that of h(y)."""
+    """The contact of the profile h(Q(x)), computed from the contact of h(y)."""
 
     map_: Wave | Power
     base: CorneredZone
@@ -460,7 +474,7 @@ class FoldedContact:
         return self.pressure(0.5 * (a + b) + 0.5 * (b - a) * np.asarray(t, dtype=float))
 
     def pressure(self, x):
-        """|Q'| q(Q); between the zones and beyond them Q is outside the one zone."""
+        """|Q'| q(Q(x)). For x outside the zones, Q(x) is outside the zone of h, where q = 0."""
         return np.abs(self.map_.derivative(x, 1)) * self.base.pressure(self.map_.derivative(x))
 
     def slope(self, x):

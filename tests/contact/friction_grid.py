@@ -1,7 +1,8 @@
-"""Normal and tangential contact on a periodic grid, by steps: another route to slip.
+"""Normal and tangential contact on a periodic grid, step by step: an independent check of slip.
 
-The normal problem is a minimum of the energy under p >= 0, the tangential one under |q| <= mu p at
-a given total, for each step of a history (J. J. Kalker's principle). Both are solved by active sets.
+In each step of a history, the normal problem minimizes the energy under p >= 0. The tangential
+problem minimizes the energy under |q| <= mu p at a given total q (J. J. Kalker's principle). Both
+are solved by active sets.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import numpy as np
 
 
 class FrictionGrid:
-    """n points of a period 1 on two half-planes alike; traction and displacement at the points."""
+    """n points in a period 1 of two like half-planes: traction and displacement at the points."""
 
     def __init__(self, n: int, height, friction: float, E_star: float = 1.0) -> None:
         self.n, self.mu = n, friction
@@ -25,11 +26,11 @@ class FrictionGrid:
         self.lost = self.shift = 0.0
 
     def pressure(self, load: float) -> np.ndarray:
-        """p >= 0 of mean `load` with C p + f >= level, and equality where p > 0."""
+        """The p >= 0 of mean `load` with C p + f >= level, and C p + f = level where p > 0."""
         return self._bounded(self.f, load, np.zeros(self.n), np.full(self.n, np.inf))[0]
 
     def _bounded(self, force, mean, low, high):
-        """The x between low and high of a mean that minimizes x C x / 2 + force x; its level."""
+        """The x in [low, high] of a mean that minimizes x C x / 2 + force x; and its level."""
         free = high > low
         x = np.where(free, 0.0, low)
         at_low, at_high = np.zeros(self.n, bool), np.zeros(self.n, bool)
@@ -57,7 +58,7 @@ class FrictionGrid:
         raise AssertionError("the active sets do not settle")
 
     def step(self, load: float, shear: float) -> None:
-        """Go to a mean pressure and a mean shear; slip opposes the shear."""
+        """Go to the mean pressure `load` and the mean shear `shear`; slip opposes the shear."""
         p = self.pressure(load) if load != self.p.mean() else self.p
         limit = self.mu * p
         change, level = self._bounded(

@@ -1,4 +1,4 @@
-"""How far a solution is from an exact one, as `Solution.error` means it."""
+"""Errors of a solution against an exact solution, as `Solution.error` defines them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 
 import contact
 
-# No node is a kink in the middle of a zone; the ends are met to 1e-4 of the half width.
+# Scaled positions in a zone. None is 0, where some profiles have a kink. The last two are 1e-4
+# of the half width from the ends.
 T = np.append(np.cos((np.arange(24) + 0.5) * np.pi / 24), [-0.9999, 0.9999])
 
 
@@ -16,15 +17,17 @@ def solve(profile, interaction, E_star=1.0, tol=1e-10, **control):
 
 
 def unit_pressure(solution):
-    """Largest pressure, or the mean contact pressure where the peak is infinite."""
+    """Largest pressure, or the mean contact pressure if the largest pressure is infinite."""
     if np.isfinite(solution.max_pressure):
         return solution.max_pressure
     return solution.load / float(np.sum(solution.zone_widths))
 
 
 def counterparts(solution, exact):
-    """Zones of the solution in the order of the exact ones and moved to them: a left end at the
-    border may round across it.
+    """Indices and ends of the solution's zones, in the order of the exact zones.
+
+    The ends are moved by whole periods to the exact zones. Round-off may move a left end at the
+    border of the cell across it, which changes the order of the zones.
     """
     assert solution.zones.shape == exact.zones.shape
     order, zones = np.arange(len(exact.zones)), solution.zones
@@ -39,7 +42,7 @@ def counterparts(solution, exact):
 
 
 def pressure_error(solution, exact, t=T):
-    """Largest difference of the pressures at equal position in corresponding zones, over the peak."""
+    """Largest difference of pressures at equal positions in corresponding zones, over the peak."""
     order, _ = counterparts(solution, exact)
     off = [
         np.max(np.abs(solution.pressure_at(t, k) - exact.pressure_at(t, i)))
@@ -49,16 +52,16 @@ def pressure_error(solution, exact, t=T):
 
 
 def end_error(solution, exact):
-    """Largest difference of the ends over the width of their zone."""
+    """Largest difference of the zone ends, each divided by the width of its zone."""
     _, zones = counterparts(solution, exact)
     return float(np.max(np.abs(zones - exact.zones) / exact.zone_widths[:, None]))
 
 
 def true_error(solution, exact, t=T):
-    """What `Solution.error` bounds."""
+    """The error that `Solution.error` bounds: the larger of `pressure_error` and `end_error`."""
     return max(pressure_error(solution, exact, t), end_error(solution, exact))
 
 
 def relative(a, b):
-    """|a - b| over |b|, the largest."""
+    """The largest |a - b|/|b|."""
     return float(np.max(np.abs(np.asarray(a) - np.asarray(b)) / np.abs(np.asarray(b))))

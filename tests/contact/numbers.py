@@ -1,8 +1,8 @@
-"""The numbers of a solution by quadrature of its own fields: nothing of how the solver finds them.
+"""Loads, moment, mean gap and approach of a solution by quadrature of its fields.
 
-Zones and gaps are cut where the profile or one of its derivatives jumps; on each panel
-double-exponential quadrature takes roots and logarithms at its ends for what they are (H. Takahasi
-and M. Mori, Publ. RIMS 9 (1974) 721-741).
+The formulas of the solver are not used. Zones and gaps are cut where the profile or one of its
+derivatives jumps. Double-exponential quadrature on each panel integrates roots and logarithms
+at its ends (H. Takahasi and M. Mori, Publ. RIMS 9 (1974) 721-741).
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ WEIGHT = (_S[1] - _S[0]) * np.pi * np.cosh(_S) * LEFT * RIGHT
 
 
 def breaks_in(solution, lo, hi):
-    """[lo, places at which something of the profile jumps and no more than its resolution apart,
-    hi].
+    """The cuts from `lo` to `hi`: both, and the breakpoints of the profile between them.
+
+    Without breakpoints, the cuts are half the resolution of the profile apart.
     """
     profile = solution.scene.profile
     finest = (
@@ -29,13 +30,13 @@ def breaks_in(solution, lo, hi):
     )
     if solution.scene.period is not None and len(at):
         at = at + np.ceil((lo - at) / profile.period) * profile.period
-    # A panel a rounding wide holds nothing.
+    # A panel as narrow as round-off adds nothing to the integral.
     inner = np.unique(at[(at > lo + 1e-12 * (hi - lo)) & (at < hi - 1e-12 * (hi - lo))])
     return np.concatenate(([lo], inner, [hi]))
 
 
 def pressures(solution, zone):
-    """(x, p dx) of one zone."""
+    """Nodes x and products of pressure and weight, p dx, in one zone."""
     a, b = solution.zones[zone]
     cuts = breaks_in(solution, a, b)
     lo, length = cuts[:-1, None], np.diff(cuts)[:, None]
@@ -57,7 +58,7 @@ def moment(solution):
 
 
 def open_intervals(solution):
-    """Those of a period without contact."""
+    """The intervals without contact in one period."""
     starts, ends = solution.zones.T
     return list(zip(ends, np.append(starts[1:], starts[0] + solution.scene.period), strict=True))
 
@@ -72,7 +73,10 @@ def mean_gap(solution):
 
 
 def approach(solution, x):
-    """u + f - gap at x off the zones, f from its lowest, u by quadrature of the pressure."""
+    """Approach u + f - gap at a point x outside the zones.
+
+    f is counted from its lowest value; u is computed from the pressure by quadrature.
+    """
     scene, u = solution.scene, 0.0
     for k in range(len(solution.zones)):
         xi, load = pressures(solution, k)

@@ -1,16 +1,17 @@
-"""Forms of the paper that only proofs take: the pressure of a round spot, (1) and (3), and the
-principle for any shape, (6)-(17), by quadrature, what the paper prints where that does not hold,
-and Johnson's almost full contact, which its results name.
+"""Equations of the paper that only tests use, as proved and as printed.
 
-I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045. The
-rest of the surface is its nominal pressure P_s/L outside a strip of width L, which bends the
-half-plane under the zone by
+I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045. Here
+are the pressure of a round spot, (1) and (3); the localization principle for any shape, (6)-(17),
+by quadrature; and Johnson's almost full contact, which the paper's results section names.
 
-    (13) h'(x) = f'(x) + (4 P_s/pi E* L) artanh(2x/L),
+By the localization principle, the surface outside a strip of width L acts with its nominal pressure
+P_s/L. This pressure bends the half-plane under the zone, so that the zone is an isolated one of the
+profile h with
 
-and the zone is then an isolated one under h. Where print and proof differ, the plain name is the
-proved form and the name that begins with `printed` (or `Printed`) is what the paper says, so that
-both can be computed.
+    (13) h'(x) = f'(x) + (4 P_s/pi E* L) artanh(2x/L).
+
+Where the print and the proof differ, the plain name is the proved form. A name that begins with
+`printed` (or `Printed`) is the form of the paper, so that both can be computed.
 """
 
 from __future__ import annotations
@@ -28,12 +29,11 @@ from contact.reference.exact.pair import tips_slope
 
 
 def strip_slope(x, strip, period, mean_pressure, E_star):
-    """(12) summed: the slope u'(x) that pressure p on strips |x| < b, once in every period, gives
-    the half-plane,
+    """(12) summed: the slope u'(x) of the half-plane under a pressure p on |x| < b of every period.
 
     u' = -(2 p/pi E*) ln|sin(pi (x + b)/L)/sin(pi (x - b)/L)|,   strip = 2b;
 
-    zero everywhere when 2b = L, as the paper needs: a uniform pressure on everything bends nothing.
+    The slope is zero everywhere if 2b = L: a uniform pressure on the whole surface bends nothing.
     """
     x, b = np.asarray(x, dtype=float), 0.5 * strip
     ratio = np.sin(pi * (x + b) / period) / np.sin(pi * (x - b) / period)
@@ -41,8 +41,9 @@ def strip_slope(x, strip, period, mean_pressure, E_star):
 
 
 def printed_strip_slope(x, strip, period, mean_pressure, terms=4000):
-    """(12) as printed, u' = (4 p/pi) sum sin(2 pi n b/L) sin(2 pi n x/L)/n: without 1/E* and with
-    the other sign.
+    """(12) as printed, u' = (4 p/pi) sum sin(2 pi n b/L) sin(2 pi n x/L)/n.
+
+    The factor 1/E* is missing, and the sign is the opposite one.
     """
     n = np.arange(1, terms + 1)
     waves = np.sin(2.0 * pi / period * np.multiply.outer(np.asarray(x, dtype=float), n))
@@ -50,8 +51,9 @@ def printed_strip_slope(x, strip, period, mean_pressure, terms=4000):
 
 
 def neighbour_slope(x, period, nominal_load, E_star):
-    """f2'(x) of (10) and (13): (4 P_s/pi E* L) artanh(2x/L), the bend by the pressure outside the
-    strip.
+    """f2'(x) of (10) and (13): (4 P_s/pi E* L) artanh(2x/L).
+
+    It is the slope that the pressure outside the strip causes.
     """
     return np.asarray(
         4.0 * nominal_load / (pi * E_star * period) * np.arctanh(2.0 / period * np.asarray(x))
@@ -59,14 +61,13 @@ def neighbour_slope(x, period, nominal_load, E_star):
 
 
 def cauchy_slope(pressure_at, half_width, E_star, t):
-    """(6) for h': (2/pi E*) PV int p(xi)/(x - xi) dxi at x = a t, for a pressure bounded at both
-    ends.
+    """(6) for h': (2/pi E*) PV int p(xi)/(x - xi) dxi at x = a t.
 
-    pressure_at: p as a function of t in [-1, 1].
+    pressure_at: p as a function of t in [-1, 1]; it is bounded at both ends.
     """
     n = 400
     phi = np.arange(1, n) * pi / n
-    # p/sin(phi) is smooth: sqrt(1 - t^2) U_j has the transform T_(j+1).
+    # p = sum c_k sin(k phi), and sin(k phi) = sqrt(1 - t^2) U_(k-1) has the transform T_k.
     coefficients = 2.0 / n * (np.sin(np.outer(np.arange(1, n), phi)) @ pressure_at(np.cos(phi)))
     angle = np.arccos(np.asarray(t, dtype=float))
     return np.asarray(
@@ -75,13 +76,13 @@ def cauchy_slope(pressure_at, half_width, E_star, t):
 
 
 def printed_cauchy_slope(pressure_at, half_width, E_star, t):
-    """(6) as printed, with 1/2pi for 1/pi: half of the slope, in contradiction to (7)."""
+    """(6) as printed, with 1/2pi for 1/pi: half of the slope, which contradicts (7)."""
     return 0.5 * cauchy_slope(pressure_at, half_width, E_star, t)
 
 
 @dataclass(frozen=True)
 class LocalizedShape:
-    """(13)-(17) for an odd slope f'(x) of any shape, which may jump at x = 0 only, by quadrature.
+    """(13)-(17) by quadrature, for any odd slope f'(x) without jumps except at x = 0.
 
     (16) P = P0 + P_s (L - sqrt(L^2 - 4a^2))/L,   P0 = (E*/2) int f' x dx/sqrt(a^2 - x^2),
     (17) p = p0 + (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)),   p0 by (7).
@@ -133,14 +134,13 @@ class LocalizedShape:
         return self.slope(x) + neighbour_slope(x, self.period, self.nominal_load, self.E_star)
 
     def printed_contact_slope(self, x):
-        """h' by (8) as printed, h = delta - (f + f2): the opposite sign, with which (7) would give
-        a negative pressure.
-        """
+        """(8) as printed, h = delta - (f + f2): with this sign, (7) gives a negative pressure."""
         return -self.contact_slope(x)
 
     def isolated_pressure(self, x):
-        """p0 by (7), folded onto 0 < xi < a, with f'(x) subtracted: its own integral is ln((a +
-        q)/(a - q)).
+        """p0 by (7), folded onto 0 < xi < a, with q = sqrt(a^2 - x^2).
+
+        f'(x) is subtracted under the integral; its own integral is f'(x) ln((a + q)/(a - q)).
         """
         return self._inverse(np.asarray(np.abs(np.asarray(x, dtype=float))), self.slope)
 
@@ -150,7 +150,7 @@ class LocalizedShape:
         return np.where(r < self.half_width, self.isolated_pressure(r) + self._correction(r), 0.0)
 
     def pressure_14(self, x):
-        """(14): the same by putting all of h' into (7)."""
+        """(14): the same pressure, with all of h' inserted into (7)."""
         r = np.abs(np.asarray(x, dtype=float))
         return np.where(r < self.half_width, self._inverse(r, self.contact_slope), 0.0)
 
@@ -166,13 +166,14 @@ class LocalizedShape:
             singular = np.where(
                 own == 0.0, 0.0, own * 2.0 * np.arcsinh(q / np.where(inside > 0.0, inside, 0.0))
             )
-        # xi = a sin(psi); the quotient is smooth but for x = 0, so each side of x has its own rule.
+        # xi = a sin(psi). The quotient is smooth except at x = 0. Each side of x has its own
+        # quadrature.
         top = np.arcsin(inside / a)
         regular = np.zeros_like(inside)
         for low, width in ((np.zeros_like(top), top), (top, 0.5 * pi - top)):
             psi = low[..., None] + width[..., None] * FROM_LEFT
-            # xi - x = 2 a cos((psi + top)/2) sin((psi - top)/2), from the distance to the common
-            # end of the two parts.
+            # xi - x = 2 a cos((psi + top)/2) sin((psi - top)/2). psi - top is computed from the
+            # distance to the common end of the two parts, without cancellation.
             apart = width[..., None] * (FROM_LEFT if low is top else -FROM_RIGHT)
             xi = a * np.sin(psi)
             gap = 2.0 * a * np.cos(0.5 * (psi + top[..., None])) * np.sin(0.5 * apart)
@@ -183,12 +184,13 @@ class LocalizedShape:
 
 @dataclass(frozen=True)
 class PrintedLocalizedShape(LocalizedShape):
-    """(17) as its brackets are printed: (xi - x) stands behind the integrand's fraction, as a
-    factor, so that the first term is
+    """(17) with its brackets as printed.
 
-    (E*/2pi) sqrt(a^2 - x^2) int f'(xi) (xi - x) dxi/sqrt(a^2 - xi^2) = sqrt(a^2 - x^2) P0/pi,
+    There (xi - x) stands behind the fraction of the integrand, as a factor. So the first term is
 
-    with the wrong dimension and the same semi-ellipse for every shape.
+    (E*/2pi) sqrt(a^2 - x^2) int f'(xi) (xi - x) dxi/sqrt(a^2 - xi^2) = sqrt(a^2 - x^2) P0/pi.
+
+    It has the wrong dimension and is the same semi-ellipse for every shape.
     """
 
     def isolated_pressure(self, x):
@@ -199,9 +201,10 @@ class PrintedLocalizedShape(LocalizedShape):
 
 @dataclass(frozen=True)
 class PrintedWestergaard(Westergaard):
-    """(18) as printed: the factor sqrt(2 pi E* Delta)/L for sqrt(2) pi E* Delta/L, the root drawn
-    too far. It has the dimension of sqrt(Pa/m), and in the units at hand is 1/sqrt(pi E* Delta) of
-    the pressure whose mean is (19).
+    """(18) as printed, with the factor sqrt(2 pi E* Delta)/L instead of sqrt(2) pi E* Delta/L.
+
+    The root sign is drawn too far, and the factor has the dimension of sqrt(Pa/m). In a given
+    system of units, this pressure is 1/sqrt(pi E* Delta) times the pressure whose mean is (19).
     """
 
     def pressure(self, x):
@@ -214,12 +217,15 @@ class PrintedWestergaard(Westergaard):
 
 @dataclass(frozen=True)
 class AlmostFullWave:
-    """K. L. Johnson (1985), sec. 13.2, almost complete contact: the gap of half-width b = L/2 - a
-    is a crack alone in the pressure of full contact, whose stress intensity vanishes,
+    """Almost full contact by K. L. Johnson (1985), sec. 13.2.
+
+    The gap of half-width b = L/2 - a is an isolated crack in the pressure of full contact. Its
+    stress intensity vanishes if
 
     mean pressure = p* (1 - (pi b/L)^2),   p* = pi E* Delta/L.
 
-    The exact (19) has sin^2 for the square. The results section names it for 2a/L beyond 0.7.
+    The exact (19) has sin^2(pi b/L) instead of (pi b/L)^2. The paper's results section names this
+    formula for 2a/L above 0.7.
     """
 
     amplitude: float
@@ -235,7 +241,7 @@ class AlmostFullWave:
 
 @dataclass(frozen=True)
 class PrintedLocalizedWedge(OneZone):
-    """(26) as printed, arcosh(a/x): the same for x > 0, and not a number for x < 0."""
+    """(26) as printed, with arcosh(a/x): correct for x > 0, and nan for x < 0."""
 
     def pressure(self, x):
         """(26) as printed; nan on the left half of the zone."""
@@ -250,7 +256,7 @@ class PrintedLocalizedWedge(OneZone):
 
 
 def contact_slope(pair, x):
-    """h'(x) of (35), of a pair in the middle of its strip."""
+    """h'(x) of (35) for a pair of zones in the middle of its strip."""
     a, b = pair.ends
     bend = neighbour_slope(x, pair.period, pair.period * pair._nominal(b - a), pair.E_star)
     return tips_slope(x, pair.radius, pair.spacing) + bend
@@ -258,9 +264,10 @@ def contact_slope(pair, x):
 
 @dataclass(frozen=True)
 class PrintedArtanhPair(LocalizedPair):
-    """(36) as printed, on the ends of `LocalizedPair`: one integral over [a, b] with 1/(xi - x) and
-    E*/2pi, which is the corrected one without the other zone, -(E* sqrt(Z)/2pi) int_a^b h' dxi/((xi
-    + x) sqrt(Z)).
+    """(36) as printed, on the ends of `LocalizedPair`.
+
+    It is one integral over [a, b] with 1/(xi - x) and E*/2pi. The corrected form also has the term
+    of the other zone, which is missing here: -(E* sqrt(Z)/2pi) int_a^b h' dxi/((xi + x) sqrt(Z)).
     """
 
     def pressure(self, x):
@@ -282,12 +289,12 @@ def direct_kernel(r, s, a, apart=None):
     """(3): H1(r, s) = int_0^2pi (2 s/(pi D)) arctan(sqrt(a^2 - r^2) sqrt(a^2 - s^2)/(a D)) dtheta,
     D^2 = r^2 - 2 r s cos theta + s^2.
 
-    It is infinite where r = s. apart: |r - s| where it is known better than the difference.
+    It is infinite where r = s. apart: |r - s|, if it is known more accurately than by subtraction.
     """
     r, s = np.broadcast_arrays(np.asarray(r, dtype=float), np.asarray(s, dtype=float))
     d = np.abs(r - s) if apart is None else apart
-    # D^2 = d^2 + 4 r s sin^2(theta/2) is nearly singular at theta = 0: the panel ends where D has
-    # grown to sqrt(d).
+    # D^2 = d^2 + 4 r s sin^2(theta/2) is nearly singular at theta = 0. So panels end at angles
+    # of the order d/(r + s) and sqrt(d/(r + s)).
     scale = np.sqrt(np.clip(d / np.maximum(r + s, 1e-300), 1e-30, 1.0))
     theta, weight = panels([np.zeros_like(d), pi * scale**2, pi * scale, np.full_like(d, pi)])
     D = np.sqrt(d[..., None] ** 2 + 4.0 * (r * s)[..., None] * np.sin(0.5 * theta) ** 2)
@@ -297,15 +304,16 @@ def direct_kernel(r, s, a, apart=None):
 
 
 def direct_pressure(profile, E_star, a, r):
-    """(1) of a spot alone, p_f(r) = (E*/4 pi) int_0^a Laplacian f(s) H1(r, s) ds, 0 < r < a, of a
-    shape without edges.
+    """(1) of an isolated spot of a shape without edges, at radii 0 < r < a.
 
-    Nothing of the Abel transforms is used. The paper prints E*/(4 pi^2); with H1 as printed f =
-    r^2/(2R) gives Hertz only with E*/(4 pi).
+    p_f(r) = (E*/4 pi) int_0^a Laplacian f(s) H1(r, s) ds
+
+    Abel transforms are not used. The paper prints the factor E*/(4 pi^2). With H1 as printed, only
+    the factor E*/(4 pi) gives Hertz's pressure for f = r^2/(2R).
     """
     total = np.zeros(r.shape)
     for width, border, sign in ((r, 0.0, -1.0), (a - r, a, 1.0)):
-        # On either side of r, by the distance from it.
+        # Nodes on one side of r. Close to r, they are computed from their distance to r.
         apart = width[..., None] * FROM_LEFT
         s = np.where(
             FROM_RIGHT < 0.5,

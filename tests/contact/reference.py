@@ -1,7 +1,7 @@
-"""Singular quadrature that knows neither the engine nor the closed forms: the laws exact solutions
-are held to.
+"""Singular quadrature for tests of exact solutions, independent of engine and closed forms.
 
-Only `pressure_at(t, zone)`, `pressure(x)`, `zones` and `period` of a solution are used.
+It uses only `pressure_at(t, zone)`, `pressure(x)`, `zones`, `period` and other plain attributes of
+a solution.
 """
 
 from __future__ import annotations
@@ -14,26 +14,29 @@ FOLD_WEIGHT = 0.06 * np.pi * np.cosh(FOLD) * FOLD_LEFT * (1.0 - FOLD_LEFT)
 
 
 def zone_rule(solution, zone, nodes):
-    """Angles, centre, half-width and p dx weights of Gauss-Chebyshev in one zone, for free and for
-    sharp ends.
+    """Angles, centre, half-width and weights p dx of Gauss-Chebyshev quadrature in one zone.
+
+    The rule holds for free ends and for ends at sharp corners.
     """
     a, b = solution.zones[zone]
     phi = (np.arange(nodes) + 0.5) * np.pi / nodes
     half = 0.5 * (b - a)
     t = np.cos(phi)
-    # The sine from the rounded t: p sin(phi) is smooth in t, p alone is steep at the ends.
+    # The sine is computed from the rounded t. p sin(phi) is smooth in t, but p alone is steep
+    # at the ends.
     weight = solution.pressure_at(t, zone) * np.sqrt((1.0 - t) * (1.0 + t)) * half * np.pi / nodes
     return phi, 0.5 * (a + b), half, weight
 
 
 def load_of(solution, nodes=400):
-    """int p over all zones."""
+    """The integral of p over all zones."""
     return sum(float(np.sum(zone_rule(solution, k, nodes)[3])) for k in range(len(solution.zones)))
 
 
 def transform(solution, zone, period, nodes=400, points=9):
-    """x and (1/pi) PV int p K dxi at points of a zone halfway between nodes, where the rule holds
-    for PV integrals.
+    """Points x of a zone, and (1/pi) PV int p K dxi at these points.
+
+    The points lie halfway between the nodes, where the rule holds for principal values.
     """
     step = max(nodes // (points + 1), 1)
     psi = np.arange(1, nodes, step) * np.pi / nodes
@@ -51,13 +54,14 @@ def transform(solution, zone, period, nodes=400, points=9):
 
 
 def kernel(d, period):
-    """1/d, or (pi/L) cot(pi d/L)."""
+    """The kernel K: 1/d, or (pi/L) cot(pi d/L) with a period L."""
     return 1.0 / d if period is None else np.pi / period / np.tan(np.pi * d / period)
 
 
 def folded_transform(solution, x, breaks):
-    """(1/pi) PV int p K dxi at one x by folding about it: int_0 [p(x - s) - p(x + s)] K(s) ds,
-    broken at `breaks`.
+    """(1/pi) PV int p K dxi at one x, folded about x: (1/pi) int_0 [p(x - s) - p(x + s)] K(s) ds.
+
+    The quadrature is divided at `breaks`, the places x at which the pressure is not smooth.
     """
     period = solution.period
     breaks = np.asarray(breaks, dtype=float)
@@ -71,15 +75,17 @@ def folded_transform(solution, x, breaks):
     for lo, hi in zip(edges[:-1], edges[1:], strict=True):
         s = lo + (hi - lo) * FOLD_LEFT if lo > 0.0 else hi * FOLD_LEFT
         jump = solution.pressure(x - s) - solution.pressure(x + s)
-        # Rounding can put a node onto a kink, where p = inf; its weight is below rounding.
+        # Round-off can put a node onto a kink, where p is infinite. The weight of such a node
+        # is below round-off.
         jump = np.where(np.isfinite(jump), jump, 0.0)
         total += float(np.sum((hi - lo) * FOLD_WEIGHT * jump * kernel(s, period)))
     return total / np.pi
 
 
 def displacement_of(solution, x, nodes=400):
-    """u(x) outside the zones: -(2/pi E*) int p ln|2 sin(pi (x - xi)/L)| dxi, alone ln|(x -
-    xi)/datum|.
+    """u(x) outside the zones: -(2/pi E*) int p ln|2 sin(pi (x - xi)/L)| dxi.
+
+    Without a period the logarithm is ln|(x - xi)/datum|.
     """
     total = np.zeros_like(x)
     for k in range(len(solution.zones)):
@@ -94,9 +100,9 @@ def displacement_of(solution, x, nodes=400):
 
 
 def equation_error(solution, nominal=None, nodes=400):
-    """Largest |(1/pi) PV int p K - (E*/2) f'| over all zones, over the largest term.
+    """Largest |(1/pi) PV int p K - (E*/2) f'| over all zones, divided by the largest term.
 
-    A localized solution has the kernel 1/(x - xi) and the term `nominal(x)` added on the right.
+    A localized solution has the kernel 1/(x - xi), and `nominal(x)` is added on the right.
     """
     period = solution.period if nominal is None else None
     worst, scale = 0.0, 0.0

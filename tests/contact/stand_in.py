@@ -1,5 +1,6 @@
-"""A solution made of closed forms, for what only reads solutions: Westergaard's contact, repeated
-or one wave of it.
+"""A stand-in for a solution, for tests of code that only reads solutions.
+
+It is Westergaard's contact in closed form, with one or several waves in the period of the scene.
 
 p = (2 pi E* D/L) cos(pi x/L) sqrt(S^2 - s^2) on |x| < a, with s = sin(pi x/L), S = sin(pi a/L); the
 gap outside is 2 D (s sqrt(s^2 - S^2) - S^2 arcosh(s/S)) (Johnson 1985, section 13.2; Goryacheva &
@@ -19,7 +20,7 @@ from contact.model.scene import Scene
 
 @dataclass(frozen=True)
 class StandInReport:
-    """A certificate or a plan: what it is given."""
+    """A stand-in for a certificate or a plan; it returns the values that it was given."""
 
     values: dict[str, Any]
 
@@ -29,7 +30,7 @@ class StandInReport:
 
 @dataclass(frozen=True)
 class StandIn:
-    """Westergaard's solution for a wave of `amplitude`, `waves` of them in the scene's period."""
+    """Westergaard's solution for waves of `amplitude`, `waves` of them in the scene's period."""
 
     scene: Scene
     amplitude: float
@@ -57,7 +58,7 @@ class StandIn:
 
     @property
     def fields(self) -> SimpleNamespace:
-        """Nothing is known of them beforehand."""
+        """A stand-in for the fields: no bound of the pressure is known."""
         return SimpleNamespace(pressure_bound=np.inf)
 
     @property
@@ -105,7 +106,8 @@ class StandIn:
 
     @property
     def stiffness(self) -> float:
-        # d approach / d load of one wave is -(2 / pi E*) ln sin(pi a/L); the waves share the load.
+        # d approach / d load of one wave is -(2 / pi E*) ln sin(pi a/L). All waves share the
+        # load equally.
         if self._sine == 1.0:
             return float(np.inf)
         return float(-self.waves * np.pi * self.scene.E_star / (2.0 * np.log(self._sine)))

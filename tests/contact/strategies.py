@@ -1,5 +1,6 @@
-"""Hypothesis strategies of exact contact problems; every draw is a function of a few bounded
-numbers, so it shrinks.
+"""Hypothesis strategies that draw exact contact problems.
+
+Every problem is a function of a few bounded numbers, so that hypothesis can simplify a failure.
 """
 
 from __future__ import annotations
@@ -14,9 +15,10 @@ PERIODS = (1.0, 2.0 * np.pi, 1e-4)
 
 @st.composite
 def designed_contacts(draw, min_zones=1, max_zones=12, periodic=None, nearest=0.03):
-    """An exact problem of 1 to 12 zones, asymmetric and off the origin, alone or periodic.
+    """An exact problem of `min_zones` to `max_zones` unlike zones, off the origin.
 
-    No zone or gap is narrower than `nearest` times the widest of its kind.
+    It is isolated or periodic. No zone is narrower than `nearest` times the widest zone, and no
+    gap is narrower than `nearest` times the widest gap.
     """
     count = draw(st.integers(min_zones, max_zones))
     length = st.floats(nearest, 1.0, allow_nan=False)
@@ -43,7 +45,7 @@ def designed_contacts(draw, min_zones=1, max_zones=12, periodic=None, nearest=0.
 
 @st.composite
 def adhesive_designs(draw, periodic=None):
-    """One to six unlike zones, by a seed; the pull of adhesion from weak to stronger than the load."""
+    """One to six unlike zones from a random seed; adhesion is weak or stronger than the load."""
     seed, count = draw(st.integers(0, 10**6)), draw(st.integers(1, 6))
     period = (
         draw(st.sampled_from((1.0, 1e-4)))
