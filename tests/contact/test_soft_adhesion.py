@@ -1,4 +1,6 @@
-"""Soft and rough surfaces snap into full contact by themselves: it is foreseen, by every law."""
+"""Soft and rough surfaces snap into full contact by themselves. An early test on a grid foresees
+it.
+"""
 
 import numpy as np
 import pytest
@@ -62,14 +64,14 @@ def test_smooth_soft_surfaces_close_altogether_under_no_load(name, law):
 
 
 @pytest.mark.parametrize("law", quick(LAWS[:2], LAWS[:1]), ids=str)
-def test_what_is_foreseen_is_what_is_followed(law, monkeypatch):
+def test_the_early_test_gives_what_following_the_contact_gives(law, monkeypatch):
     profile = ten_waves(1e-7, 1)
     foreseen = solved(profile, law, 1e4)
     monkeypatch.setattr(full_contact, "_is_followed_slowly", lambda context: False)
     assert solved(profile, law, 1e4).contact_fraction == foreseen.contact_fraction == 1.0
 
 
-def test_contact_that_could_not_be_followed_is_full_where_it_closes(monkeypatch):
+def test_if_following_fails_the_grid_test_gives_full_contact_or_the_failure_is_raised(monkeypatch):
     def fails(*_):
         raise np.linalg.LinAlgError("Singular matrix")
 

@@ -1,5 +1,5 @@
-"""The solver against closed forms: pressure at equal normalised position, ends over widths, and
-every number.
+"""The solver against closed forms: the pressure at equal scaled positions in a zone, the zone
+ends divided by the zone widths, and the numbers of a solution.
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ from tests.contact.judge import end_error, pressure_error, relative, solve, true
 L, DELTA, E = 1e-4, 1e-6, 1.1e11
 WAVE = contact.Sinusoid(DELTA, L)
 ISOLATED, PERIODIC = contact.Isolated(), contact.Periodic()
-# The mean contact pressure is the unit under sharp corners: their own 1/sqrt(1 - t^2) is kept below
-# ten.
+# Scaled positions in the zone of a punch with sharp corners. Its pressure error is divided by the
+# mean contact pressure, since the peak is infinite. At these positions 1/sqrt(1 - t^2) is below
+# 10.
 WITHIN = np.linspace(-0.99, 0.99, 40)
 
 
@@ -44,8 +45,8 @@ class TestWestergaard:
         solution = solve(WAVE, PERIODIC, E, **{control: getattr(answer, control)})
         assert true_error(solution, answer) < 1e-10
         assert true_error(solution, answer) <= solution.error <= 1e-10
-        # d approach/d load = -(2/pi E*) ln sin A: near A = pi/2 an end error is magnified by 1/cos
-        # A.
+        # The compliance is d approach/d load = -(2/(pi E*)) ln sin A with A = pi a/L. Near A =
+        # pi/2 the relative error of the stiffness is the end error times about 1/cos A.
         numbers_agree(solution, answer, 1e-10, stiffness=1e-10 / np.cos(np.pi * a_over_L) ** 2)
 
     @pytest.mark.parametrize("a_over_L", [0.49, 0.499])
@@ -57,17 +58,16 @@ class TestWestergaard:
         solution = solve(WAVE, PERIODIC, E, **{control: getattr(answer, control)})
         assert true_error(solution, answer) < 1e-10
 
-    def test_by_approach_such_a_gap_is_known_only_as_well_as_rounding_tells_the_approach_from_its_limit(
-        self,
-    ):
-        # 1 - approach/Delta ~ cos^2 A = 1e-5, so eps becomes 2e-11 there and 2e-11/cos^2 A in the
-        # width of the gap.
+    def test_an_approach_near_its_limit_determines_the_gap_only_within_round_off(self):
+        # With A = pi a/L, 1 - approach/Delta is about cos^4(A)/2 = 5e-11. Rounding of the
+        # approach changes this difference by about 5e-6 of itself, and so the width of the gap by
+        # about 1e-6 of itself.
         answer = westergaard(0.499)
         solution = solve(WAVE, PERIODIC, E, tol=1e-5, approach=answer.approach)
         assert true_error(solution, answer) <= solution.error <= 1e-5
 
     @pytest.mark.parametrize("a_over_L", [0.05, 0.25, 0.4])
-    def test_twelve_digits_are_given_when_twelve_are_asked_for(self, a_over_L):
+    def test_a_tolerance_of_1e_12_is_met(self, a_over_L):
         answer = westergaard(a_over_L)
         solution = solve(WAVE, PERIODIC, E, tol=1e-12, mean_pressure=answer.mean_pressure)
         assert true_error(solution, answer) < 1e-12
@@ -81,7 +81,7 @@ class TestWestergaard:
         assert np.max(np.abs(solution.gap(x) - answer.gap(x))) < 1e-12 * DELTA
         assert np.max(np.abs(solution.displacement(x) - answer.displacement(x))) < 1e-12 * DELTA
 
-    def test_the_same_wave_as_a_fourier_series_has_the_same_answer(self):
+    def test_a_wave_given_as_a_fourier_series_has_the_same_solution(self):
         answer = westergaard(0.3)
         wave = contact.Fourier(L, [0.0, -DELTA, 0.0])
         twice = solve(wave, PERIODIC, E, load=2 * exact.Westergaard(DELTA, L / 2, E, 0.15 * L).load)
@@ -147,7 +147,7 @@ class TestIsolatedZones:
         assert relative(solution.zone_loads, answer.zone_loads) < 1e-10
 
     @pytest.mark.parametrize("over_merging", [1.001, 1.5, 20.0, 1e4])
-    def test_the_one_zone_they_merge_into(self, over_merging):
+    def test_one_zone_of_a_biquadratic_above_the_merging_load(self, over_merging):
         merging = exact.IsolatedBiquadratic(1.0, 0.1, E, 1.0).merging_load
         answer = exact.IsolatedBiquadratic(1.0, 0.1, E, over_merging * merging)
         solution = solve(contact.Biquadratic(1.0, 0.1), ISOLATED, E, load=answer.load)
@@ -180,14 +180,15 @@ class TestRows:
         solution = solve(profile, PERIODIC, E, load=answer.load)
         assert true_error(solution, answer, WITHIN) < 1e-10
         assert solution.mean_gap == np.inf
-        # The approach is -(2P/pi E*) ln sin A, 5e-6 of its terms at the widest: what rounding
-        # leaves of it is stated.
+        # The approach is -(2P/(pi E*)) ln sin A with A = pi a/L. For the widest punch ln sin A is
+        # only -5e-6, so rounding of A has a large relative effect. The stated error includes this
+        # effect.
         solution = solve(profile, PERIODIC, E, tol=1e-8, approach=answer.approach)
         assert true_error(solution, answer, WITHIN) <= solution.error <= 1e-8
 
 
 class TestTheStatedError:
-    """`error` bounds what is really off, whatever was asked for."""
+    """`Solution.error` is never below the true error, whatever the tolerance."""
 
     @pytest.mark.parametrize("tol", [1e-3, 1e-5, 1e-8, 1e-11])
     @pytest.mark.parametrize("a_over_L", [0.03, 0.2, 0.42])

@@ -1,4 +1,6 @@
-"""Several zones, found from nothing but profile and load: exact problems made by inverse design."""
+"""Several zones are found from the profile and the load alone. Inverse design makes problems with
+known exact solutions.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,8 @@ class TestInverseDesign:
     @settings(max_examples=14)
     @given(designed_contacts(min_zones=2, max_zones=12, periodic=True, nearest=0.1))
     def test_zones_of_a_period_are_found_from_profile_and_load_alone(self, answer):
-        # A zone of a millionth of the widest one's load is known as well as rounding of the profile
-        # tells: not to 1e-9.
+        # Round-off of the profile limits the accuracy of a zone that carries a millionth of the
+        # largest zone load: it is not known to 1e-9. So such problems are left out.
         assume(answer.zone_loads.min() > 1e-2 * answer.zone_loads.max())
         solution = solved(answer, tol=1e-9)
         assert true_error(solution, answer) <= solution.error <= 1e-9
@@ -40,9 +42,9 @@ class TestInverseDesign:
 
     @settings(max_examples=12)
     @given(designed_contacts(min_zones=2, max_zones=5, periodic=False, nearest=0.2))
-    def test_zones_of_an_isolated_punch_too(self, answer):
-        # f is a polynomial of twice as many degrees as zones: it is ill-conditioned in itself,
-        # hence five zones.
+    def test_zones_of_isolated_contact_are_found_from_profile_and_load_alone(self, answer):
+        # The profile f is a polynomial whose degree is twice the number of zones. High degrees
+        # are ill-conditioned, so there are at most five zones.
         assume(answer.zone_loads.min() > 1e-2 * answer.zone_loads.max())
         solution = solved(answer, tol=1e-9)
         assert true_error(solution, answer) <= solution.error <= 1e-9
@@ -97,7 +99,7 @@ class TestInverseDesign:
         assert solution.zones[1, 0] < 0.5 < solution.zones[1, 1]
         assert abs(float(solution.pressure(-0.45)) / float(solution.pressure(0.55)) - 1) < 1e-12
 
-    def test_widths_a_thousand_times_apart_are_found_alike(self):
+    def test_zones_whose_widths_differ_by_a_factor_of_a_thousand_are_found(self):
         answer = design(np.array([[-0.4, -0.1], [0.0, 3e-4], [0.2, 0.4]]), 1.0, 0.02, 1.0)
         solution = solved(answer, tol=1e-7)
         assert true_error(solution, answer) <= solution.error <= 1e-7
@@ -110,7 +112,7 @@ class TestInverseDesign:
         assert np.max(np.abs(solution.gap(x) - answer.gap(x))) < 1e-11 * size
         assert np.max(np.abs(solution.displacement(x) - answer.displacement(x))) < 1e-11 * size
 
-    def test_an_end_moved_by_a_hundred_thousandth_of_its_zone_is_noticed(self):
+    def test_an_end_moved_by_1e_5_of_its_zone_is_detected_as_an_error(self):
         answer = random_problem(np.random.default_rng(3), zones=4, period=1.0)
         solution = solved(answer)
         moved = answer.zones.copy()
@@ -128,7 +130,7 @@ class TestManyAsperities:
         x = np.linspace(-0.5, 0.5, 77)
         assert (
             np.max(np.abs(five.pressure(x) - one.pressure(x))) < 1e-4 * one.max_pressure
-        )  # ends: sqrt of theirs
+        )  # near an end: of order sqrt(end error)
         assert np.max(np.abs(five.gap(x) - one.gap(x))) < 1e-11
 
     def test_a_rough_profile_keeps_its_certificate_from_the_first_touch_to_nearly_full_contact(
@@ -153,8 +155,8 @@ class TestManyAsperities:
         assert np.all(np.diff(fractions) > 0)
 
     def test_a_dip_of_the_pressure_between_its_samples_is_found_and_opened(self):
-        # One zone of 192 modes would do, but for a pull of 3e-4 of the peak over 5e-4 of the
-        # period.
+        # One zone with 192 modes would meet the tolerance. But in one interval, 5e-4 of the
+        # period wide, its pressure would be negative by up to 3e-4 of the peak.
         rng = np.random.default_rng(13)
         n, decay = int(rng.integers(2, 41)), rng.uniform(0, 2)
         k = np.arange(1, n + 1)
@@ -180,16 +182,17 @@ class TestLightApproach:
         assert abs(again.approach / approach - 1) < 1e-7
 
     @pytest.mark.parametrize("load", [1e-8, 1e-11])
-    def test_a_deeper_place_far_away_takes_a_light_load(self, load):
-        """f = x^2 (x - 50)^2 / 5000 - x / 1e5, of curvature 1 at both minima: Hertz's a = 2 sqrt(P
-        / pi E*) at the farther one.
+    def test_a_light_load_is_carried_by_a_lower_minimum_far_away(self, load):
+        """The profile f = x^2 (x - 50)^2 / 5000 - x / 1e5 has the curvature 1 at both of its
+        minima. The minimum near x = 50 is lower, so it carries a light load. Hertz's half width
+        there is a = 2 sqrt(P / (pi E*)).
         """
         profile = contact.Polynomial((0.0, -1e-5, 0.5, -0.02, 2e-4))
         solution = solve(profile, ISOLATED, tol=1e-6, load=load)
         assert len(solution.zones) == 1 and abs(solution.zones.mean() - 50.0) < 1e-4
         assert abs(np.diff(solution.zones)[0, 0] / (4 * np.sqrt(load / np.pi)) - 1) < 1e-5
 
-    def test_one_that_no_load_has_is_refused(self):
+    def test_an_approach_that_no_load_causes_is_refused(self):
         with pytest.raises(contact.OutOfRange, match="no load"):
             solve(
                 contact.Biquadratic(radius=20.0, spacing=1.3),

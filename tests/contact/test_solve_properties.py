@@ -1,5 +1,5 @@
-"""Laws that hold of every solution, whatever the profile: balance, one approach, signs, scaling,
-shifts and mirrors.
+"""Laws that every solution obeys, whatever its profile: balance of the load, equal approach of
+all zones, signs of pressure and gap, scaling, shifts and mirror images.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def lowest(solution):
 
 
 def around(solution, count=20001):
-    """Dense positions: the period, or three times what the zones span."""
+    """Returns dense positions over one period, or over three times the span of the zones."""
     a, b = solution.zones[0, 0], solution.zones[-1, 1]
     if solution.scene.period is None:
         return np.linspace(2 * a - b, 2 * b - a, count)
@@ -74,8 +74,9 @@ def around(solution, count=20001):
 
 
 def zone_integral(solution, weight=lambda x: 1.0):
-    """int weight p dx by Gauss-Legendre in the angle, panels refined towards the middle, where a
-    tip may be.
+    """Returns int weight p dx over all zones, by Gauss-Legendre quadrature in the angle. Its
+    panels become shorter towards the middle of a zone, where the pressure may have the
+    singularity of a tip.
     """
     panels = np.pi * np.concatenate(
         [0.5 - 0.5 * 0.2 ** np.arange(20), [0.5], 0.5 + 0.5 * 0.2 ** np.arange(20)[::-1]]
@@ -97,7 +98,8 @@ def zone_integral(solution, weight=lambda x: 1.0):
 
 class TestBalance:
     def test_the_pressure_carries_the_load(self, solution):
-        # The rule is of no use across the knots of a spline.
+        # The quadrature is less accurate for a spline, because the pressure is not smooth at its
+        # knots.
         tolerance = 1e-6 if solution.scene.profile.name == "sampled" else 1e-9
         assert abs(zone_integral(solution) / solution.load - 1) < tolerance
 
@@ -115,7 +117,7 @@ class TestBalance:
             )
             assert abs(solution.load / solution.scene.period / solution.mean_pressure - 1) < 1e-14
 
-    def test_what_was_asked_for_is_what_came_out(self, solution):
+    def test_the_control_has_its_prescribed_value(self, solution):
         name, value = solution.scene.control
         assert abs(getattr(solution, name) / value - 1) < 1e-9
 
@@ -126,11 +128,11 @@ class TestGeometry:
         for a, b in solution.zones:
             x = np.linspace(a, b, 101)
             level = solution.displacement(x) + height(x) - lowest(solution)
-            # The lowest sample is off by half a curvature times the square of its distance: it only
-            # shifts the constant.
+            # `lowest` returns the lowest sample, which lies slightly above the true minimum. This
+            # error shifts `level` by a constant, which does not change np.ptp(level).
             assert np.ptp(level) < 1e-9 * np.ptp(height(around(solution)))
 
-    def test_the_displacement_on_a_zone_is_that_of_the_pressure_and_not_only_declared(
+    def test_on_the_zones_the_potential_of_the_density_fits_the_profile_with_one_level(
         self, solution
     ):
         fields = solution.fields
@@ -140,7 +142,8 @@ class TestGeometry:
             total = density.potential(x) - problem.shape(x)
             for amplitude, column in zip(density.amplitudes, problem.unknown_columns, strict=True):
                 total = total - amplitude * column.primitive(x)
-            # Counted against what the pressure of all zones moves the surface by.
+            # The tolerance is relative to the total of the density, the scale of the
+            # displacement.
             assert np.max(np.abs(total - fields.level)) < 1e-8 * density.total
 
     def test_nowhere_is_there_a_pull_or_an_overlap(self, solution):
@@ -152,7 +155,7 @@ class TestGeometry:
         assert np.all((pressure == 0) | (gap == 0))
         assert solution.certificate.holds
 
-    def test_outside_the_gap_is_what_displacement_profile_and_approach_leave_open(self, solution):
+    def test_outside_the_zones_the_gap_is_displacement_plus_profile_minus_approach(self, solution):
         x = around(solution, 400)
         x = x[solution.pressure(x) == 0]
         open_ = solution.displacement(x) + solution.scene.profile.height(x) - solution.approach
@@ -180,7 +183,8 @@ class TestGeometry:
         for field in (solution.pressure, solution.gap, solution.displacement):
             for turns in (-3, 1):
                 size = np.max(np.abs(field(x)[np.isfinite(field(x))]))
-                # Ends move by rounding of x, where the pressure is a square root.
+                # Rounding of x shifts a point relative to the zone ends. Near an end the pressure
+                # changes by the square root of this shift.
                 assert np.max(np.abs(field(x + turns * period) - field(x))) < 1e-6 * size
 
     def test_zones_are_ascending_disjoint_and_begin_in_the_cell(self, solution):
@@ -195,7 +199,7 @@ class TestStiffness:
     @pytest.mark.parametrize(
         "place", [k for k in range(len(SCENES)) if k != 2], ids=lambda k: SCENES[k][0].name
     )
-    def test_is_the_slope_of_load_over_approach(self, place):
+    def test_is_the_derivative_of_the_load_by_the_approach(self, place):
         profile, model, control = SCENES[place]
         ((name, value),) = control.items()
         step = 1e-4
@@ -209,14 +213,15 @@ class TestStiffness:
             for factor in (1 + step, 1, 1 - step)
         )
         difference = (ahead.load - behind.load) / (ahead.approach - behind.approach)
-        # Second order in the step, and 1e-13 of the approach over the step.
+        # The error of the central difference is of second order in the step. The approaches add
+        # about 1e-13 of their value, divided by the step.
         assert abs(here.stiffness / difference - 1) < 1e-5
 
     def test_without_a_datum_there_is_no_approach_and_no_stiffness(self):
         solution = solve(contact.Parabola(1.0), ISOLATED, load=0.01)
         assert solution.approach is None and solution.stiffness is None
 
-    def test_two_datums_differ_by_what_the_load_lifts_between_them(self):
+    def test_the_datum_changes_the_approach_by_its_logarithm_and_not_the_zones(self):
         near, far = (
             solve(contact.Parabola(1.0), contact.Isolated(datum=d), load=0.01) for d in (1.0, 10.0)
         )
@@ -225,7 +230,9 @@ class TestStiffness:
 
 
 def same(one, other, scale=1.0, pressure=1.0, tolerance=1e-11):
-    """Whether two solutions agree after lengths times `scale` and pressures times `pressure`."""
+    """Asserts that `one`, with lengths times `scale` and pressures times `pressure`, agrees with
+    `other`.
+    """
     assert one.zones.shape == other.zones.shape
     assert np.max(np.abs(one.zones * scale - other.zones) / other.zone_widths[:, None]) < tolerance
     assert abs(one.load * scale * pressure / other.load - 1) < tolerance
@@ -239,7 +246,8 @@ class TestScaling:
     @pytest.mark.parametrize("length", [2.0**-30, 2.0**-14, 2.0**10])
     @pytest.mark.parametrize("modulus", [1.0, 2.0**40])
     def test_lengths_and_moduli_of_any_size_give_the_same_answer(self, length, modulus):
-        # Powers of two change no digit, so that rounding alone must not.
+        # Scaling by a power of two changes only the exponents of the numbers, so round-off stays
+        # the same.
         one = solve(rough(3), PERIODIC, mean_pressure=0.01)
         other = contact.Fourier(length, rough(3).cosine * length, rough(3).sine * length)
         same(
@@ -251,11 +259,12 @@ class TestScaling:
         )
 
     @pytest.mark.parametrize("length", [2.0**-30, 2.0**10])
-    def test_a_polynomial_that_names_no_length_is_found_at_any_size(self, length):
+    def test_a_polynomial_without_a_given_length_is_solved_at_any_scale(self, length):
         one = solve(contact.Polynomial([0, 0.1, 1, 1, 2]), FAR, load=1e-2, tol=1e-12)
         scaled = contact.Polynomial([0, 0.1, 1 / length, 1 / length**2, 2 / length**3])
         other = solve(scaled, contact.Isolated(datum=2 * length), load=1e-2 * length, tol=1e-12)
-        # Its first window is a metre wide whatever the size, so that Newton comes from elsewhere.
+        # The search begins with an interval of the same length at every scale, so Newton's method
+        # starts from different ends.
         same(one, other, length, 1.0, 2e-12)
         assert abs(other.approach / one.approach / length - 1) < 1e-11
 
@@ -316,11 +325,9 @@ class TestShiftsAndMirrors:
         assert relative(np.sort(other.zone_loads), np.sort(one.zone_loads)) < 1e-10
 
     @pytest.mark.parametrize("offset", [1.0, 1e6, -1e6])
-    def test_a_constant_added_to_the_heights_changes_what_their_digits_lose_and_no_more(
-        self, offset
-    ):
+    def test_a_constant_added_to_the_heights_changes_the_solution_only_by_round_off(self, offset):
         x = np.arange(64) / 64
-        # Heights that keep all their digits under the offset.
+        # These heights are multiples of 2^-12, so adding the offset does not round them.
         heights = np.round(np.sin(2 * np.pi * x) * 2**12 + 2**10 * np.cos(6 * np.pi * x)) / 2**12
         one = solve(contact.Sampled(x, heights, period=1.0), PERIODIC, mean_pressure=0.5, tol=1e-8)
         other = solve(
@@ -333,16 +340,16 @@ class TestShiftsAndMirrors:
         same(bare, lifted, tolerance=1e-9)
 
     @pytest.mark.parametrize("pressure", [0.002, 0.01, 0.02])
-    def test_half_a_symmetric_problem_is_the_whole_of_it(self, pressure):
+    def test_solving_half_of_a_symmetric_problem_gives_the_whole_solution(self, pressure):
         even = contact.Fourier(1.0, [-0.01, 0.004, -0.006])
         tiny = contact.Fourier(
             1.0, [-0.01, 0.004, -0.006], [1e-300]
-        )  # not symmetric by declaration, but in its digits
+        )  # not declared symmetric, but symmetric in floating point
         half, whole = (solve(w, PERIODIC, mean_pressure=pressure) for w in (even, tiny))
         assert half.plan["symmetry"].used and not whole.plan["symmetry"].used
         same(half, whole, tolerance=1e-10)
 
-    def test_a_symmetric_profile_whose_summit_is_at_the_border_is_the_one_with_its_summit_in_the_middle(
+    def test_a_symmetric_profile_with_its_summit_at_the_border_is_solved_as_with_it_in_the_middle(
         self,
     ):
         middle = solve(contact.Fourier(1.0, [-0.01]), PERIODIC, mean_pressure=0.01)
@@ -386,7 +393,7 @@ class TestControlsAgree:
         for name in ("approach", "contact_fraction", "max_pressure"):
             assert np.all(np.diff([getattr(s, name) for s in found]) > 0)
         assert np.all(np.diff([s.mean_gap for s in found]) < 0)
-        # A zone, once there, stays: each contact lies in the next one.
+        # The contact at one load lies within the contact at the next larger load.
         x = np.linspace(-0.5, 0.5, 5001)
         for less, more in zip(found[:-1], found[1:], strict=True):
             assert np.all(more.pressure(x)[less.pressure(x) > 0] > 0)

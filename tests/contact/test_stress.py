@@ -29,7 +29,9 @@ def tensor(stress):
 
 
 def from_transform(value, slope, y):
-    """The stresses by G and G'."""
+    """Returns the stresses xx, yy, xy at depth y from the pressure's transform G (`value`) and
+    from G'.
+    """
     return np.array([value.imag + y * slope.real, value.imag - y * slope.real, -y * slope.imag])
 
 
@@ -39,10 +41,11 @@ def places(seed, half, count=400):
 
 
 def mcewen(x, y):
-    """Stresses below a cylinder, p_0 = a = 1 (E. McEwen, Phil. Mag. 40, 1949, 454)."""
+    """Stresses below a cylinder with p_0 = a = 1 (E. McEwen, Phil. Mag. 40, 1949, 454)."""
     r = np.hypot(1 - x**2 + y**2, 2 * x * y)
     wide, high = r + 1 - x**2 + y**2, r - 1 + x**2 - y**2
-    # m n = x y. The larger of the two squares has no cancellation.
+    # McEwen's m and n obey m n = x y. The larger of m^2 and n^2 is computed without cancellation,
+    # and the other follows from m n.
     m = np.where(wide > high, np.sqrt(0.5 * np.abs(wide)), 0.0)
     m = np.where(wide > high, m, np.abs(x * y) / np.sqrt(0.5 * np.maximum(high, 1e-300)))
     n, total = x * y / m, m**2 + (x * y / m) ** 2
@@ -73,7 +76,8 @@ def test_the_wave_the_punch_and_the_row_of_punches_have_their_closed_forms():
 
     row, (x, y) = solve(contact.Flat(0.5, period=1.0), mean_pressure=0.1), places(1, 0.25)
     z = np.pi * (x + 1j * y)
-    # G = pbar cos(z) / sqrt(sin(z - A) sin(z + A)), whose root is like sin(z) for large Im z.
+    # The transform is G = pbar cos(z) / sqrt(sin(z - A) sin(z + A)). The branch of this root
+    # approaches sin(z) for large Im z.
     root = np.ones(len(z), dtype=complex)
     for end in (-np.pi / 4, np.pi / 4):
         u = z - end
@@ -130,7 +134,9 @@ CASES = {
 
 
 def cuts_towards(lo, hi, centre, least, ends):
-    """Ends of panels of (lo, hi) that are short near the centre and next to given places."""
+    """Returns the ends of panels that cover (lo, hi). They are short near `centre` and next to
+    `ends`.
+    """
     steps = least * 2.0 ** np.arange(60)
     fine = 1e-15 * 4.0 ** np.arange(26)
     cuts = [np.linspace(lo, hi, 65), centre + steps, centre - steps, [centre]]
@@ -148,7 +154,9 @@ def rule(cuts):
 
 
 def from_pressure(solution, x, y):
-    """Stresses at one point from the pressure on the line, by panels."""
+    """Returns the stresses at one point, by quadrature of the pressure on the surface over
+    panels.
+    """
     scene = solution.scene
     period = scene.period
     shifts = np.zeros(1) if period is None else period * np.arange(-2, 3)
@@ -168,8 +176,7 @@ def from_pressure(solution, x, y):
         inner = np.unique(angles[:-1][(angles[:-1] > 0) & (angles[:-1] < np.pi)])
         angle, weight = rule(cuts_towards(0, np.pi, angles[-1], min(y / half / 8, 0.05), inner))
         pressure = solution.pressure_at(np.cos(angle), zone)
-        # A node of a panel of the last digits may be rounded to a kink, where the pressure is
-        # infinite.
+        # In the shortest panels a node may round to a kink, where the pressure is infinite.
         force = weight * half * np.sin(angle) * np.where(np.isinf(pressure), 0.0, pressure)
         total += _summed(middle + half * np.cos(angle), force, x, y, period)
     return total
@@ -223,14 +230,15 @@ def test_a_localized_strip_is_between_nominal_pressures(neighbours):
         expected = sum(
             _summed(xi + shift, force, x, y, None) for shift in range(-neighbours, neighbours + 1)
         )
-        # The field of a uniform pressure minus that on the strip.
+        # Outside the strip the nominal pressure 0.01 acts: its field is that of a uniform
+        # pressure on the whole surface minus that of the same pressure on the strip.
         left, right = x + 1j * y + half, x + 1j * y - half
         value = -0.01 * (1j + np.log(left / right) / np.pi)
         expected += from_transform(value, -0.01 / np.pi * (1 / left - 1 / right), y)
         assert tensor(solution.stress(x, y)) == pytest.approx(expected, abs=1e-12)
 
 
-def test_lateral_says_how_the_body_is_held():
+def test_lateral_chooses_the_lateral_support_of_the_body():
     solution = solve(WAVE, mean_pressure=0.01)
     deep = {
         name: solution.stress(0.2, 50.0, name, nu=0.3) for name in ("as loaded", "free", "confined")

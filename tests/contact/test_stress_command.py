@@ -1,4 +1,4 @@
-"""`contact stress` and its figures: what is printed, written and drawn, and what is refused."""
+"""`contact stress` and its figures: printed lines, files, drawings and refusals."""
 
 import json
 
@@ -56,7 +56,7 @@ def test_the_command_says_where_a_cylinder_is_stressed_most_and_yields(scene):
     assert "first yield at the load" in printed.stdout
 
 
-def test_the_stresses_are_printed_also_where_there_is_no_first_yield(tmp_path):
+def test_the_stresses_are_printed_even_if_there_is_no_first_yield(tmp_path):
     path = tmp_path / "scene.toml"
     shape = SCENE.replace('"parabola"', '"sinusoid"').replace("radius = 1.0", "amplitude = 1e-6")
     shape = shape.replace("[material]", "period = 1e-4\n[material]").replace("isolated", "periodic")
@@ -102,7 +102,7 @@ def test_a_figure_has_depth_downwards_and_the_place_of_the_largest_stress(show):
     assert abs(mark.get_xdata()[0]) < 1e-6 * half
 
 
-def test_stresses_at_sharp_corners_are_drawn_and_said_to_be_infinite():
+def test_stresses_at_sharp_corners_are_drawn_and_reported_as_infinite():
     row = contact.Scene(contact.Flat(0.4, 1.0), 1e9, contact.Periodic(), mean_pressure=1e5)
     report = stress_report(contact.solve(row), strength=1e6)
     assert report.shear is None and report.mises is None
@@ -111,7 +111,7 @@ def test_stresses_at_sharp_corners_are_drawn_and_said_to_be_infinite():
     assert "infinite" in title
 
 
-def test_a_narrow_zone_with_the_largest_stress_has_a_column_of_its_own():
+def test_a_narrow_zone_with_the_largest_stress_has_its_own_column_in_the_figure():
     x = np.arange(400) / 400
     heights = 1e-4 * (np.cos(2 * np.pi * x) + 0.5 * np.cos(34 * np.pi * x + 1.0))
     scene = contact.Scene(contact.Sampled(x, heights, 1.0), 1e9, contact.Periodic(), load=2e3)
@@ -132,7 +132,7 @@ def test_wrong_options_are_refused_by_name(scene, tmp_path):
         assert said in found.stderr
 
 
-def test_what_netcdf_needs_is_asked_for_before_the_solve(scene, tmp_path, monkeypatch):
+def test_missing_netcdf_packages_are_reported_before_the_solve(scene, tmp_path, monkeypatch):
     def missing(name):
         raise contact.MissingExtra(f"{name}: pip install 'sie-contact[io]'")
 

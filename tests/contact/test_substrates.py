@@ -1,5 +1,5 @@
-"""A substrate is a symbol in one class: solved from light load to full contact by every control,
-found by its name, refused where wrong.
+"""Substrates defined by a symbol: solved from light load to full contact under every control,
+registered by name, and refused if they are wrong.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ TIPS = contact.Fourier(1.0, (-0.01, 0.006, 0.002), (0.002, -0.003, 0.001))
 
 @dataclass(frozen=True)
 class Soft(contact.Substrate):
-    """L = 1 + eps exp(-q h): the kernel 1/r + eps r/(r^2 + h^2)."""
+    """Substrate with the symbol L = 1 + eps exp(-q h) and the kernel 1/r + eps r/(r^2 + h^2)."""
 
     eps: float = 0.8
     h: float = 0.1
@@ -36,7 +36,9 @@ class Soft(contact.Substrate):
 
 @dataclass(frozen=True)
 class Grounded(contact.Substrate):
-    """L = tanh(q h): the kernel (pi/2h)/sinh(pi r/2h), the potential ln tanh(pi r/4h)."""
+    """Substrate with the symbol L = tanh(q h), the kernel (pi/2h)/sinh(pi r/2h) and the potential
+    ln tanh(pi r/4h).
+    """
 
     h: float = 0.1
     name = "grounded"
@@ -54,7 +56,9 @@ FULL = {body: np.pi * 0.01 / body.symbol(np.array([2 * np.pi]))[0] for body in B
 
 
 def held(profile, body, share_of_full, **control):
-    """Under a mean pressure, which is a part of that of full contact of the wave."""
+    """Returns a periodic scene. Its mean pressure is `share_of_full` of the mean pressure at
+    which the wave comes into full contact.
+    """
     return contact.Scene(
         profile,
         1.0,
@@ -114,10 +118,12 @@ class TestASubstrate:
             assert again.stiffness == pytest.approx(0.5 / body.compression, rel=1e-12)
 
     @pytest.mark.parametrize(("body", "share"), diagonal(BODIES, [1e-3, 0.3]))
-    def test_is_solved_as_a_half_plane_under_the_profile_that_its_waves_make(self, body, share):
+    def test_has_the_pressure_of_a_half_plane_under_an_equivalent_profile(self, body, share):
         solution = contact.solve(held(TIPS, body, share), tol=1e-9)
         assert solution.certificate.holds
-        # Waves from the 48th on act as on a half-plane: as far as L is 1, or the pressure has none.
+        # The first 96 waves of the pressure make the equivalent profile of a half-plane. Higher
+        # waves are neglected: for them L is nearly 1, or the pressure has hardly any. `left`
+        # bounds this error.
         n = np.arange(1, 97)
         excess = body.symbol(2 * np.pi * n) - 1
         p = np.array([harmonic(solution, k) for k in n])
@@ -158,7 +164,7 @@ class TestASubstrate:
         assert solution.approach == pytest.approx(grid.level + mean - height.min(), rel=2e-3)
         assert np.mean(solution.gap(grid.x)) == pytest.approx(solution.mean_gap, rel=1e-3)
 
-    def test_alone_agrees_with_an_independent_grid(self):
+    def test_in_isolated_contact_agrees_with_an_independent_grid(self):
         body = Soft(0.8, 0.1)
         scene = contact.Scene(
             contact.Biquadratic(1.0, 0.4), 1.0, contact.Isolated(), substrate=body, load=0.02
@@ -172,12 +178,13 @@ class TestASubstrate:
         assert np.count_nonzero((solution.pressure(grid.x) > 0) != grid.contact) <= 8
         assert solution.approach is None
 
-    def test_with_a_base_has_an_approach_alone_that_counts_from_the_base(self):
+    def test_with_a_base_has_an_approach_in_isolated_contact_measured_from_the_base(self):
         scene = contact.Scene(
             contact.Parabola(1.0), 1.0, contact.Isolated(), substrate=Grounded(0.1), load=0.01
         )
         solution = contact.solve(scene, tol=1e-10)
-        # Between two of the contact's own places, and by quadrature of the closed form far from it.
+        # Far away the displacement is zero. Near the contact it equals a quadrature of the
+        # pressure with the closed form of the potential.
         assert solution.displacement(np.array([3.0]))[0] == pytest.approx(0.0, abs=1e-14)
         again = contact.solve(replace(scene, load=None, approach=solution.approach), tol=1e-9)
         assert again.load == pytest.approx(0.01, rel=1e-8)
@@ -195,7 +202,7 @@ class TestASubstrate:
         assert solution.displacement(at)[0] == pytest.approx(u, rel=1e-9)
 
     @pytest.mark.parametrize("body", BODIES)
-    def test_localized_comes_to_all_periods_with_more_neighbours(self, body):
+    def test_in_localized_contact_converges_to_periodic_contact_with_more_neighbours(self, body):
         exact = contact.solve(held(WAVE, body, 0.2), tol=1e-10)
         off = []
         for m in (4, 8):
@@ -207,11 +214,11 @@ class TestASubstrate:
                 tol=1e-10,
             )
             off.append(np.abs(near.zones - exact.zones).max())
-        # The images beyond act with the square of their number, or not at all where the body has a
-        # base.
+        # The error of the model falls at least as 1/m^2 with the number m of neighbours. It is
+        # negligible where the body has a base.
         assert off[1] < 0.3 * off[0] + 1e-9 and off[0] < 1e-4
 
-    def test_of_a_half_plane_is_the_half_plane_bit_for_bit(self):
+    def test_half_plane_given_explicitly_gives_bitwise_the_same_zones(self):
         plain = contact.Scene(TIPS, 1.0, contact.Periodic(), mean_pressure=0.01)
         assert np.array_equal(
             contact.solve(plain).zones,
@@ -270,14 +277,14 @@ WRONG = {
 
 
 @pytest.mark.parametrize("fault", WRONG)
-def test_what_is_no_elastic_body_is_refused_by_name(fault):
+def test_a_symbol_of_no_elastic_body_is_refused_with_its_fault(fault):
     with pytest.raises(contact.SceneError) as caught:
         contact.Scene(WAVE, 1.0, contact.Periodic(), substrate=WRONG[fault], mean_pressure=0.01)
     assert fault in str(caught.value)
     assert not check_substrate(WRONG[fault], raises=False).ok
 
 
-def test_an_author_is_told_what_is_wrong():
+def test_check_substrate_raises_the_fault():
     assert all(check_substrate(one).ok for one in (*BODIES, contact.HalfPlane()))
     with pytest.raises(SubstrateFault, match="the body has a base"):
         check_substrate(WRONG["the body has a base"])
@@ -286,7 +293,7 @@ def test_an_author_is_told_what_is_wrong():
 
 
 @pytest.mark.parametrize("wrong", [None, 3, Soft, "half-plane"])
-def test_what_is_no_substrate_is_refused(wrong):
+def test_a_value_that_is_no_substrate_is_refused(wrong):
     with pytest.raises(contact.SceneError, match="substrate = "):
         contact.Scene(WAVE, 1.0, contact.Periodic(), substrate=wrong, mean_pressure=0.01)
 

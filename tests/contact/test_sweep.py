@@ -1,5 +1,5 @@
-"""A scene over a grid: its numbers are those of single solves, whoever solved them, whatever
-failed, however often it was broken off.
+"""Sweeps of a scene over a grid of values. Each point has the numbers of a single solve,
+whichever process solves it and however often the sweep fails or is interrupted.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ GRID = {"profile.amplitude": [1e-2, 2e-2], "control.contact_fraction": [0.6, 0.2
 
 @pytest.fixture
 def counted(monkeypatch):
-    """The points that this process solves."""
+    """Returns a list that receives the number of each point that this process solves."""
     places: list[int] = []
     real = processes.solved
 
@@ -74,7 +74,8 @@ def test_every_point_has_the_numbers_of_a_solve_of_its_own():
             )
             alone = numbers(contact.solve(scene))
             for name in set(NUMBERS) - {"error"}:
-                # Stated errors are 1e-8 at most, and a mean gap is a difference of approaches.
+                # The errors are at most 1e-8. The mean gap is a difference of nearly equal
+                # lengths, so its relative error is larger.
                 assert float(table[name][i, j]) == pytest.approx(alone[name], rel=1e-6, abs=1e-9), (
                     name
                 )
@@ -106,12 +107,12 @@ def test_every_point_has_the_numbers_of_a_solve_of_its_own():
     ],
     ids=["amplitude", "modulus", "width", "period"],
 )
-def test_a_key_of_any_table_is_what_is_varied(scene, over, name, exact):
+def test_a_key_of_any_table_of_the_scene_can_be_varied(scene, over, name, exact):
     table = contact.sweep(scene, over, workers=1)
     assert table[name].values == pytest.approx(exact, rel=1e-8)
 
 
-def test_words_and_whole_numbers_are_values_too():
+def test_values_may_be_words_and_whole_numbers():
     local = contact.Scene(
         contact.Sinusoid(1e-2, 1.0), 1.0, contact.Localized("self-consistent"), load=1e-2
     )
@@ -135,7 +136,7 @@ def test_words_and_whole_numbers_are_values_too():
     )
 
 
-def test_a_unit_is_told_where_a_profile_of_one_s_own_declares_it():
+def test_the_table_has_a_unit_if_a_user_s_profile_declares_it():
     class Declared(contact.Sinusoid):
         units = {"amplitude": "m"}
 
@@ -176,10 +177,11 @@ def test_a_point_that_fails_says_why_and_the_others_are_solved():
     assert table["zone_count"].values[[0, 2]].tolist() == [1, 1]
 
 
-def test_an_error_of_a_user_s_own_profile_is_one_of_its_point():
+def test_an_error_raised_by_a_user_s_profile_fails_only_its_point():
     class Broken(contact.Sinusoid):
         def slope(self, x):
-            # Past the first look that is taken when the scene is made.
+            # When a scene is made, the check of its profile evaluates at most 20 points at once.
+            # So the check passes, and only the solve raises.
             if self.amplitude == 2e-2 and np.size(x) > 20:
                 raise ZeroDivisionError("by nothing")
             return super().slope(x)
@@ -202,7 +204,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("over", "told"), BAD)
-def test_keys_and_values_that_are_none_are_refused_by_name(over, told):
+def test_wrong_keys_and_values_are_refused_by_name(over, told):
     with pytest.raises(contact.SceneError, match=told):
         contact.sweep(WAVE, over)
 
@@ -218,12 +220,12 @@ def test_keys_and_values_that_are_none_are_refused_by_name(over, told):
         {"out": "none/x.nc"},
     ],
 )
-def test_options_that_are_none_are_refused_by_name(options):
+def test_wrong_options_are_refused_by_name(options):
     with pytest.raises(contact.SceneError, match=next(iter(options))):
         contact.sweep(WAVE, {"control.load": [1e-3]}, **options)
 
 
-def test_what_is_in_the_file_is_not_solved_again(tmp_path, counted):
+def test_points_in_the_file_are_not_solved_again(tmp_path, counted):
     out = tmp_path / "sweep.nc"
     first = contact.sweep(WAVE, GRID, workers=1, out=out)
     assert len(counted) == 6
@@ -238,7 +240,7 @@ def test_what_is_in_the_file_is_not_solved_again(tmp_path, counted):
     assert all(same[name].equals(first[name]) for name in first.data_vars)
     contact.sweep(WAVE, wider, workers=1, out=out, overwrite=True)
     assert len(counted) == 16
-    # Every point that is not good to the new tolerance, and no other.
+    # Only points whose stated error exceeds the new tolerance are solved again.
     tight = int((second["error"] > 1e-11).sum())
     contact.sweep(WAVE, wider, tol=1e-8, workers=1, out=out)
     assert len(counted) == 16
@@ -246,7 +248,7 @@ def test_what_is_in_the_file_is_not_solved_again(tmp_path, counted):
     assert len(counted) == 16 + tight
 
 
-def test_a_sweep_that_is_broken_off_is_gone_on_with(tmp_path, counted):
+def test_an_interrupted_sweep_is_continued(tmp_path, counted):
     out = tmp_path / "sweep.nc"
 
     def stop(stage, done, total):
@@ -263,7 +265,7 @@ def test_a_sweep_that_is_broken_off_is_gone_on_with(tmp_path, counted):
     ]
 
 
-def test_what_failed_is_tried_again_only_when_told(tmp_path, counted):
+def test_failed_points_are_solved_again_only_on_request(tmp_path, counted):
     lone = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Isolated(), load=1e-3)
     for retry in (False, False, True):
         with pytest.warns(contact.ModelWarning, match="failed"):
@@ -305,7 +307,7 @@ CHANGED = [
 ]
 
 
-def test_a_file_of_another_scene_or_grid_is_refused_by_what_differs(tmp_path, counted):
+def test_a_file_of_another_scene_or_grid_is_refused_with_the_key_that_differs(tmp_path, counted):
     out = tmp_path / "sweep.nc"
     contact.sweep(WAVE, GRID, workers=1, out=out)
     for scene, over, told in CHANGED:
@@ -335,7 +337,9 @@ def test_a_trace_with_one_height_changed_is_another_scene(tmp_path):
                 contact.sweep(scene, {"control.load": [1e-3]}, workers=1, out=tmp_path / "sweep.nc")
 
 
-def test_a_profile_that_holds_a_function_is_the_same_one_when_it_is_made_again(tmp_path, counted):
+def test_a_profile_with_a_function_as_a_field_is_recognized_when_made_again(
+    tmp_path, counted
+):
     @dataclass(frozen=True)
     class Shaped(contact.Profile):
         shape: Callable[[np.ndarray], np.ndarray]
@@ -352,7 +356,7 @@ def test_a_profile_that_holds_a_function_is_the_same_one_when_it_is_made_again(t
 
 def test_a_scene_that_cannot_be_sent_is_solved_here(counted):
     class Local(contact.Sinusoid):
-        """No other process can import it."""
+        """A profile that no other process can import."""
 
     scene = contact.Scene(Local(1e-2, 1.0), 1.0, contact.Periodic(), load=1.0)
     with pytest.warns(RuntimeWarning, match="cannot be sent the scene"):
@@ -360,7 +364,7 @@ def test_a_scene_that_cannot_be_sent_is_solved_here(counted):
     assert sorted(counted) == [0, 1] and not table["failed"].any()
 
 
-# A profile that tells, in a file, by which process its points are solved.
+# A profile that writes to a file which process solves which amplitude.
 TOLD = """
 import os, time
 from dataclasses import dataclass
@@ -400,7 +404,7 @@ def told(tmp_path, monkeypatch):
 
 
 def solved_by(log: Path) -> dict[str, list[int]]:
-    """For each point, the processes that began it."""
+    """Returns, for each amplitude, the ids of the other processes that began to solve its point."""
     by: dict[str, list[int]] = {}
     for line in log.read_text().splitlines():
         pid, amplitude = line.split()
@@ -410,7 +414,9 @@ def solved_by(log: Path) -> dict[str, list[int]]:
 
 
 class Killer:
-    """A progress that kills a process which solves, once some points have come in."""
+    """A `progress` callback. Once three points are done it kills a process that is solving a
+    point.
+    """
 
     def __init__(self, log: Path) -> None:
         self.log, self.killed, self.begun, self.done = log, 0, set(), 0
@@ -422,8 +428,8 @@ class Killer:
             self.begun, self.done = set(solved_by(self.log)), done
 
     def check(self, table) -> None:
-        """All points are there, and of those that were begun no more were begun again than had not
-        come in.
+        """Asserts that all points are solved, and that done points are not solved again. So at
+        most the points that were begun but not done at the kill are begun twice.
         """
         by = solved_by(self.log)
         assert self.killed and not table["failed"].any() and not table["load"].isnull().any()
@@ -440,7 +446,7 @@ def test_a_process_that_is_killed_loses_no_point_and_what_was_done_is_not_done_t
 
 
 @pytest.mark.slow
-def test_a_point_that_ends_its_process_is_a_failed_one_and_the_others_are_solved(told, monkeypatch):
+def test_a_point_that_ends_its_process_fails_and_the_other_points_are_solved(told, monkeypatch):
     monkeypatch.setattr(run, "_check_values", lambda scene, axes: None)
     with pytest.warns(contact.ModelWarning, match="1 of 4 points failed"):
         table = contact.sweep(told, {"profile.amplitude": [1e-2, 0.99, 2e-2, 3e-2]}, workers=2)
@@ -458,7 +464,7 @@ print("failed:", int(table["failed"].sum()))
 
 
 @pytest.mark.slow
-def test_a_script_that_does_not_say_that_it_is_the_main_one_is_solved_all_the_same(tmp_path):
+def test_a_script_without_a_main_guard_is_solved(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT)
     environment = {**os.environ, "PYTHONPATH": str(Path(contact.__file__).parents[1])}
     done = subprocess.run(
@@ -513,7 +519,7 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_i
         along = contact.sweep(WAVE, {"control.load": [1e-3, 2e-3, 3e-3]}, address)
         assert along["load"].values == pytest.approx([1e-3, 2e-3, 3e-3])
     finally:
-        # The scheduler first: its workers then end by themselves.
+        # The scheduler is ended first. Its workers then end by themselves.
         for process in started:
             process.terminate()
             process.wait(30)
@@ -543,7 +549,7 @@ def command(*arguments, text=TEXT):
     )
 
 
-def test_the_command_writes_the_table_of_the_call_and_goes_on_with_it(tmp_path, counted):
+def test_the_command_writes_the_table_of_contact_sweep_and_continues_it(tmp_path, counted):
     out = tmp_path / "sweep.nc"
     given = [
         "--vary",
@@ -582,7 +588,7 @@ def test_the_command_writes_the_table_of_the_call_and_goes_on_with_it(tmp_path, 
         (["--vary", "control.load=1,2", "--scheduler", "tcp://a:1"], "--workers"),
     ],
 )  # fmt: skip
-def test_what_the_command_cannot_do_is_refused_by_name(tmp_path, arguments, told):
+def test_wrong_arguments_of_the_command_are_refused_by_name(tmp_path, arguments, told):
     refused = command(*arguments, "--out", tmp_path / "sweep.nc")
     assert (
         refused.exit_code == 2
@@ -596,7 +602,7 @@ def test_what_the_command_cannot_do_is_refused_by_name(tmp_path, arguments, told
     )
 
 
-def test_where_no_point_is_solved_the_command_ends_as_solve_would(tmp_path):
+def test_if_no_point_is_solved_the_command_ends_as_contact_solve_would(tmp_path):
     text = TEXT.replace('"periodic"', '"isolated"')
     failed = command("--vary", "control.load=1,2", "--out", tmp_path / "sweep.nc", "-q", text=text)
     assert failed.exit_code == 2 and failed.stderr.splitlines()[-1].startswith(
@@ -613,7 +619,7 @@ def test_a_sweep_without_xarray_says_what_to_install(monkeypatch):
         contact.sweep(WAVE, GRID)
 
 
-def test_what_takes_long_is_handed_in_on_the_way_and_the_rest_goes_on(monkeypatch):
+def test_a_slow_chunk_returns_its_done_points_and_a_chunk_of_the_rest(monkeypatch):
     monkeypatch.setattr(chunks_module, "CHUNKS", chunks_module.ChunkOptions(seconds=0.0))
     axes = axes_of(WAVE, {"control.load": [1e-3, 3e-3, 2e-3]})
     (chunk,) = chunks_of(axes, np.ones(3, dtype=bool), None)
@@ -630,7 +636,7 @@ def test_what_takes_long_is_handed_in_on_the_way_and_the_rest_goes_on(monkeypatc
 
 
 @pytest.mark.slow
-def test_processes_hand_in_what_they_have_on_the_way(monkeypatch):
+def test_processes_return_points_before_their_chunk_is_done(monkeypatch):
     monkeypatch.setattr(chunks_module, "CHUNKS", chunks_module.ChunkOptions(seconds=0.0))
     steps = []
     loads = np.linspace(1e-3, 2e-3, 13).tolist()
@@ -660,7 +666,7 @@ def test_points_are_cut_evenly_and_none_is_in_two_chunks():
     assert len(chunks_of(axes, wanted, None)) == 3 and len(chunks_of(axes, wanted, 2)) >= 8
 
 
-def test_a_file_is_written_by_one_sweep_at_a_time_whatever_name_it_goes_by(tmp_path):
+def test_a_file_is_written_by_one_sweep_at_a_time_even_through_a_symbolic_link(tmp_path):
     out, over = tmp_path / "sweep.nc", {"control.load": [1e-3, 2e-3]}
     (tmp_path / "other.nc").symlink_to(out)
     refused = []
@@ -676,7 +682,7 @@ def test_a_file_is_written_by_one_sweep_at_a_time_whatever_name_it_goes_by(tmp_p
     assert not contact.sweep(WAVE, over, out=out, workers=1)["failed"].any()
 
 
-def test_what_a_process_holds_is_let_go_when_it_is_killed(tmp_path):
+def test_the_lock_on_a_file_is_released_when_its_process_is_killed(tmp_path):
     out = tmp_path / "sweep.nc"
     script = "import pathlib, sys\nfrom contact.sweeps.sweep.table import alone\nwith alone(pathlib.Path(sys.argv[1])):\n"
     script += "    print('held', flush=True)\n    sys.stdin.read()\n"
@@ -714,7 +720,7 @@ def trace(tmp_path):
     )
 
 
-def test_how_a_trace_is_prepared_is_varied_as_if_it_were_read_in_each_way(trace, tmp_path):
+def test_varying_the_preparation_of_a_trace_equals_reading_the_trace_each_way(trace, tmp_path):
     file, keys, scene = trace
     over = {
         "profile.lambda_c": [1e-4, 5e-4],
@@ -730,7 +736,8 @@ def test_how_a_trace_is_prepared_is_varied_as_if_it_were_read_in_each_way(trace,
             assert float(table["contact_fraction"][i, j, 0]) == pytest.approx(
                 one.contact_fraction, rel=1e-6
             )
-    # Whole numbers are degrees, and the file of points is not asked for again: it may be gone.
+    # Whole numbers of `detrend` are degrees of a polynomial. The sweep does not read the file of
+    # points again, so the file may be deleted.
     file.unlink()
     assert not contact.sweep(scene, {"profile.detrend": [1, 3]}, workers=1)["failed"].any()
     with pytest.raises(contact.SceneError, match=r"profile\.taper = 3"):
@@ -739,7 +746,7 @@ def test_how_a_trace_is_prepared_is_varied_as_if_it_were_read_in_each_way(trace,
         contact.sweep(WAVE, {"profile.lambda_c": [1.0]}, workers=1)
 
 
-def test_a_sweep_over_a_filter_goes_on_with_its_points_whatever_the_scene_itself_filters(
+def test_a_sweep_over_a_filter_is_continued_whatever_the_filter_of_the_scene_itself(
     trace, tmp_path, counted
 ):
     file, keys, scene = trace
@@ -760,7 +767,7 @@ def test_a_sweep_over_a_filter_goes_on_with_its_points_whatever_the_scene_itself
         contact.sweep(other, {"profile.lambda_c": [1e-4, 5e-4]}, workers=1, out=out)
 
 
-def test_under_adhesion_either_branch_or_both_are_swept(tmp_path):
+def test_under_adhesion_a_sweep_covers_one_branch_or_both(tmp_path):
     wave = contact.Scene(
         contact.Sinusoid(1e-7, 1e-4),
         1e9,
