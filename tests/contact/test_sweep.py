@@ -337,9 +337,7 @@ def test_a_trace_with_one_height_changed_is_another_scene(tmp_path):
                 contact.sweep(scene, {"control.load": [1e-3]}, workers=1, out=tmp_path / "sweep.nc")
 
 
-def test_a_profile_with_a_function_as_a_field_is_recognized_when_made_again(
-    tmp_path, counted
-):
+def test_a_profile_with_a_function_as_a_field_is_recognized_when_made_again(tmp_path, counted):
     @dataclass(frozen=True)
     class Shaped(contact.Profile):
         shape: Callable[[np.ndarray], np.ndarray]

@@ -1,4 +1,4 @@
-"""The figure of a sweep: its lines are the table's numbers, in the units of the labels."""
+"""The figure of a sweep: its lines show the table's numbers, in the units of the labels."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_a_long_legend_is_within_the_picture():
     assert 0 <= box.x0 and box.x1 <= figure.bbox.width
 
 
-def test_words_are_lines_and_points_that_failed_are_missing_and_counted():
+def test_each_word_has_a_line_and_failed_points_are_missing_and_counted():
     over = {
         "interaction.closure": ["first-order", "self-consistent"],
         "control.load": [1e-6, 1.0, 1e9],
@@ -87,7 +87,9 @@ def test_words_are_lines_and_points_that_failed_are_missing_and_counted():
     assert f"{failed} of 6 points failed" in figure.get_supxlabel()
 
 
-def test_the_command_draws_and_refuses_before_it_solves(tmp_path, monkeypatch):
+def test_the_command_draws_the_figure_and_refuses_wrong_options_before_solving(
+    tmp_path, monkeypatch
+):
     def run(*arguments):
         return CliRunner().invoke(cli.main, ["sweep", "-", *map(str, arguments)], input=TEXT)
 

@@ -1,9 +1,9 @@
-"""Bodies given by a symbol L(q) of one's own, from light load to full contact, by every control;
-and slits under their kernels.
+"""Bodies given by a user's symbol L(q), from light load to full contact, under every control; and
+narrow gaps as slits under their kernels.
 
-The judge is a grid with the same symbol that shares nothing with the package
-(contact.studies.grid_judge), and, digit for digit, the two formulations against each other: by the
-pressure in its zones, and by the slope of the gap.
+Two references are used. One is an independent grid with the same symbol
+(contact.studies.grid_judge). The other one is to full accuracy: the formulation by the pressure
+on zones against the formulation by the slope of the gaps.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ CONTROLS = ("load", "approach", "contact_fraction")
 
 @dataclass(frozen=True)
 class Body(contact.Interaction):
-    """L = 1 + eps exp(-q depth)."""
+    """A body with the symbol L = 1 + eps exp(-q depth)."""
 
     eps: float
     depth: float
@@ -41,7 +41,9 @@ class Body(contact.Interaction):
 
 @dataclass(frozen=True)
 class KernelAlone(contact.Interaction):
-    """The same without its symbol: K = Hilbert's and a geometric series in closed form."""
+    """The body of `Body` without its symbol: its kernel is Hilbert's kernel plus a geometric
+    series in closed form.
+    """
 
     eps: float
     depth: float
@@ -62,7 +64,9 @@ class KernelAlone(contact.Interaction):
 
 @dataclass(frozen=True)
 class Bonded(contact.Interaction):
-    """A layer bonded to a rigid base: for long waves L ~ s = q h, and s^3 where nu = 1/2."""
+    """A layer bonded to a rigid base. For long waves its symbol L is proportional to s = q h, or
+    to s^3 if nu = 1/2.
+    """
 
     thickness: float
     nu: float
@@ -76,7 +80,7 @@ class Bonded(contact.Interaction):
 
 @dataclass(frozen=True)
 class Lone(contact.Interaction):
-    """A body alone: K = 1/r + eps r/(r^2 + depth^2)."""
+    """A body for isolated contact, with the kernel K = 1/r + eps r/(r^2 + depth^2)."""
 
     eps: float
     depth: float
@@ -100,7 +104,9 @@ def full_pressure(profile, body):
 
 
 def agrees_with_a_grid(solution, n=1024):
-    """Whether contact, pressure and approach are those of the grid, as far as its cells tell."""
+    """Asserts that contact, pressure and approach agree with an independent grid, within the
+    error of its cells.
+    """
     profile, body = solution.scene.profile, solution.scene.interaction
     found = judge_period(
         profile.height, (profile.x0, profile.x0 + 1.0), 1.0, body.symbol, solution.load, n
@@ -108,7 +114,8 @@ def agrees_with_a_grid(solution, n=1024):
     assert found.settled
     cells = np.count_nonzero((solution.pressure(found.x) > 0) != found.contact)
     assert cells <= 4 * (len(solution.zones) + 1)
-    # Where contact begins the grid is off by a cell's root; in the mean by a cell over the width.
+    # At a zone end the grid's pressure has an error of the order of the square root of a cell.
+    # Its mean error is of the order of a cell divided by the contact width.
     off = np.abs(solution.pressure(found.x) - found.pressure)
     assert off.sum() < max(0.5 / np.count_nonzero(found.contact), 0.005) * found.pressure.sum()
     level = found.level - profile.height(found.x).min()
@@ -124,7 +131,7 @@ class TestFromLightLoadToFullContact:
         ),
         ids=str,
     )
-    def test_it_is_the_contact_of_an_independent_grid(self, body, share):
+    def test_the_contact_agrees_with_an_independent_grid(self, body, share):
         solution = solve(TIPS, body, tol=1e-8, mean_pressure=share * full_pressure(TIPS, body))
         assert solution.certificate.holds and solution.error <= 1e-8
         agrees_with_a_grid(solution)
@@ -133,7 +140,7 @@ class TestFromLightLoadToFullContact:
     @pytest.mark.parametrize("share", [1e-3, 0.5, 0.98])
     @pytest.mark.parametrize("eps", [-0.5, 0.5, 2.0])
     @pytest.mark.parametrize("depth", [0.01, 0.1, 1.0])
-    def test_it_is_so_for_shallow_and_deep_ones(self, eps, depth, share):
+    def test_the_contact_agrees_with_the_grid_for_shallow_and_deep_symbols(self, eps, depth, share):
         body = Body(eps, depth)
         solution = solve(TIPS, body, tol=1e-8, mean_pressure=share * full_pressure(TIPS, body))
         assert solution.certificate.holds and solution.error <= 1e-8
@@ -157,7 +164,7 @@ class TestFromLightLoadToFullContact:
         again = solve(WAVE, Body(0.8, 0.1), tol=1e-9, load=given.load)
         assert again.zones == pytest.approx(given.zones, rel=1e-7)
 
-    def test_it_is_full_from_where_the_symbol_says(self):
+    def test_full_contact_begins_at_the_pressure_that_the_symbol_gives(self):
         body = Body(0.8, 0.1)
         begins = full_pressure(TIPS, body)
         x = np.arange(4096) / 4096
@@ -182,7 +189,7 @@ class TestTheTwoFormulations:
         profile, share = case
         pressure = share * full_pressure(profile, body)
         gaps = solve(profile, body, tol=1e-10, mean_pressure=pressure)
-        # Without a symbol there is no inverse operator.
+        # Without a symbol there is no inverse operator, so the unknowns are zones.
         zones = solve(profile, KernelAlone(body.eps, body.depth), tol=1e-10, mean_pressure=pressure)
         assert isinstance(gaps.fields, GapFields) and isinstance(zones.fields, ZoneFields)
         assert true_error(zones, gaps) <= zones.error + gaps.error
@@ -192,7 +199,7 @@ class TestTheTwoFormulations:
         x = np.linspace(-0.5, 0.5, 101)
         assert gaps.gap(x) == pytest.approx(zones.gap(x), abs=1e-9 * np.ptp(profile.height(x)))
 
-    def test_a_kink_in_a_gap_is_carried_with_the_waves_of_the_body(self):
+    def test_gaps_with_a_kink_give_the_same_contact_as_zones(self):
         profile = contact.Parabola(10.0, period=1.0)  # its valleys have kinks
         gaps = solve(profile, Body(0.8, 0.1), tol=1e-9, contact_fraction=0.9)
         zones = solve(profile, KernelAlone(0.8, 0.1), tol=1e-9, load=gaps.load)
@@ -201,7 +208,7 @@ class TestTheTwoFormulations:
 
 
 class TestCompression:
-    """A layer as a substrate: u has a mean, that of the uniform compression."""
+    """On a layer the displacement has a mean: the uniform compression under the mean pressure."""
 
     def scene(self, share=None, **control):
         scene = contact.Scene(
@@ -211,7 +218,7 @@ class TestCompression:
         return replace(scene, contact_fraction=None, **control)
 
     @pytest.mark.parametrize("share", [0.01, 0.3, 0.9, 0.999])
-    def test_the_gaps_know_it(self, share):
+    def test_the_mean_displacement_is_the_uniform_compression(self, share):
         given = contact.solve(self.scene(share), tol=1e-10)
         assert isinstance(given.fields, GapFields) == (share > 0.5) and given.certificate.holds
         x = (np.arange(4096) + 0.5) / 4096 - 0.5
@@ -222,7 +229,7 @@ class TestCompression:
         again = contact.solve(self.scene(approach=given.approach), tol=1e-8)
         assert again.load == pytest.approx(given.load, rel=1e-7)
 
-    def test_the_stiffness_is_that_of_the_loads(self):
+    def test_the_stiffness_is_the_derivative_of_the_load_by_the_approach(self):
         near = [contact.solve(self.scene(0.9 * (1 + h)), tol=1e-11) for h in (-1e-4, 0.0, 1e-4)]
         assert isinstance(near[1].fields, GapFields)
         rate = (near[2].load - near[0].load) / (near[2].approach - near[0].approach)
@@ -230,13 +237,13 @@ class TestCompression:
 
 
 class TestNarrowGaps:
-    # Of full contact, just below the merger of the two zones.
+    # The shares of the pressure at full contact lie just below the merger of the two zones.
     @pytest.mark.parametrize(
         "body, share",
         [(Body(0.8, 0.1), 0.4576), (KernelAlone(0.8, 0.1), 0.4576), (Body(-0.5, 0.02), 0.33657)],
         ids=str,
     )
-    def test_between_zones_they_are_slits(self, body, share):
+    def test_a_narrow_gap_between_zones_is_solved_as_a_slit(self, body, share):
         full = full_pressure(TIPS, Body(body.eps, body.depth))
         solution = solve(TIPS, body, tol=1e-8, mean_pressure=share * full)
         assert isinstance(solution.fields.density, sie.SlitDensity) and solution.certificate.holds
@@ -245,7 +252,7 @@ class TestNarrowGaps:
         )
         assert abs(found.fraction - solution.contact_fraction) < 4 / 2048
 
-    def test_with_slits_and_without_it_is_the_same_contact(self, monkeypatch):
+    def test_solving_with_and_without_slits_gives_the_same_contact(self, monkeypatch):
         full = full_pressure(TIPS, Body(0.8, 0.1))
         slit = solve(TIPS, Body(0.8, 0.1), tol=1e-9, mean_pressure=0.4576 * full)
         monkeypatch.setattr("sie.slits.system.merge", lambda *_: None)
@@ -255,7 +262,7 @@ class TestNarrowGaps:
         )
         assert true_error(slit, apart) <= slit.error + apart.error
 
-    def test_of_a_lone_body_too(self):
+    def test_a_narrow_gap_in_isolated_contact_is_solved_as_a_slit(self):
         profile, body = contact.Biquadratic(1.0, 0.4), Lone(0.8, 0.3)
         solution = solve(profile, body, tol=1e-8, load=0.017878)
         assert isinstance(solution.fields.density, sie.SlitDensity) and solution.certificate.holds
@@ -287,7 +294,7 @@ class TestNarrowGaps:
             )
 
 
-def test_a_lone_body_by_load_and_by_approach():
+def test_isolated_contact_is_the_same_by_load_and_by_approach():
     scene = contact.Scene(contact.Biquadratic(1.0, 0.4), 1.0, Lone(0.8, 0.3), load=0.05)
     given = contact.solve(scene, tol=1e-9)
     again = contact.solve(replace(scene, load=None, approach=given.approach), tol=1e-8)

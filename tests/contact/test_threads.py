@@ -1,4 +1,4 @@
-"""BLAS has one thread while it is asked for, and as many as before thereafter."""
+"""`one_blas_thread` limits BLAS to one thread, and afterwards restores the number of threads."""
 
 import pytest
 from threadpoolctl import ThreadpoolController, threadpool_limits
@@ -21,7 +21,7 @@ def three():
         yield
 
 
-def test_from_the_first_to_the_last_who_asks_for_it(three):
+def test_blas_has_one_thread_until_the_outermost_context_ends(three):
     with one_blas_thread():
         assert threads() == {1}
         with one_blas_thread(), pytest.raises(KeyError), one_blas_thread():
@@ -30,7 +30,7 @@ def test_from_the_first_to_the_last_who_asks_for_it(three):
     assert threads() == {3}
 
 
-def test_adhesive_equilibria_are_followed_with_one(three):
+def test_adhesive_equilibria_are_followed_with_one_thread(three):
     seen = []
 
     class Wave(contact.Sinusoid):
@@ -49,7 +49,7 @@ def test_adhesive_equilibria_are_followed_with_one(three):
     assert threads() == {3}
 
 
-def test_curves_are_followed_with_one_and_single_scenes_with_all(three):
+def test_load_curves_use_one_thread_and_single_scenes_use_all(three):
     seen = []
 
     class Wave(contact.Sinusoid):

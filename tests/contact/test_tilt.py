@@ -1,5 +1,5 @@
-"""Bodies that turn: a given tilt, or a given moment whose tilt is found, against closed forms and
-designed contacts.
+"""Bodies that turn: a given tilt, or an unknown tilt under a given moment, against closed forms
+and designed contacts.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tests.tiers import diagonal, quick
 
 E, DATUM = 2.0, 7.0
 ISOLATED = contact.Isolated(datum=DATUM)
-# Up to the corners and the tip, beside which the pressure is infinite.
+# Scaled positions in a zone. They leave out the ends, where the pressure may be infinite.
 WITHIN = np.linspace(-0.99, 0.99, 40)
 
 
@@ -73,7 +73,7 @@ class TestClosedForms:
         )
 
     @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
-    def test_ten_digits_are_given_when_ten_are_asked_for(self, body):
+    def test_a_tolerance_of_1e_10_is_met(self, body):
         profile, answer, t = body
         solution = solve(profile, ISOLATED, E, tol=1e-10, **given_by(answer, "load", "moment"))
         assert true_error(solution, answer, t) <= solution.error <= 1e-10
@@ -89,7 +89,7 @@ class TestClosedForms:
         x = x[np.isfinite(answer.height(x))]
         gap, approach = answer.gap(x), answer.approach
         assert solution.gap(x) == pytest.approx(gap, rel=1e-8)
-        # The displacement is the material's, not the body's.
+        # The displacement u of the half-plane's surface is approach + tilt x - f + gap.
         moved = approach + answer.tilt * x - answer.height(x) + gap
         assert solution.displacement(x) == pytest.approx(moved, abs=1e-11)
         inside = a + (b - a) * np.array([0.2, 0.9])
@@ -121,18 +121,19 @@ class TestClosedForms:
 
 
 class TestOnTheFlank:
-    """Wedges turned nearly to their slope: the zone ends a hair beyond the tip, and rises slowly on
-    the other side.
+    """Wedges turned nearly to their slope. On one side the zone ends just beyond the tip. On the
+    other side the turned wedge rises slowly.
     """
 
     @pytest.mark.parametrize("share", quick([0.99, -0.999, 0.9999], [-0.999]))
     @pytest.mark.parametrize("names", CONTROLS, ids=" and ".join)
-    def test_ten_digits_down_to_a_ten_thousandth_of_the_slope(self, share, names):
+    def test_a_tolerance_of_1e_10_is_met_for_tilts_within_1e_4_of_the_slope(self, share, names):
         answer = exact.TiltedWedge(0.1, E, 0.3, 0.1 * share, DATUM)
         t = WITHIN[np.abs(WITHIN + answer.middle / answer.half_width) > 0.1]
         solution = solve(contact.Wedge(0.1), ISOLATED, E, tol=1e-10, **given_by(answer, *names))
         assert true_error(solution, answer, t) <= solution.error <= 1e-10
-        # The short side, of 1e-9 of the zone, has its own digits.
+        # The short side of the zone may be 1e-9 of the zone's width. Its error is small relative
+        # to the short side itself.
         short = np.argmin(np.abs(answer.zones[0]))
         assert relative(solution.zones[0, short], answer.zones[0, short]) < 1e-9
 
@@ -154,7 +155,7 @@ class TestOnTheFlank:
 
 
 class TestNoHold:
-    """Bodies that fall without bound are refused before anything is searched for."""
+    """Bodies whose turned profile falls without bound on one side are refused before the search."""
 
     @pytest.mark.parametrize("tilt", [0.1, -0.1, 0.1 * (1 + 1e-12), 3.0])
     @pytest.mark.parametrize("name", ["load", "approach"])
@@ -177,11 +178,11 @@ class TestNoHold:
         ):
             solve(contact.Polynomial(coefficients), ISOLATED, E, **{name: 0.01}, **turning)
 
-    def test_a_moment_that_asks_for_the_slope_itself(self):
+    def test_a_moment_whose_tilt_is_within_round_off_of_the_slope(self):
         with pytest.raises(contact.OutOfRange, match="no tilt that can be told from the slopes"):
             solve(contact.Wedge(0.1), contact.Isolated(), 1e9, load=0.01, moment=1e3)
 
-    def test_one_cell_of_such_a_polynomial_has_an_end(self):
+    def test_one_period_of_such_a_polynomial_has_borders_and_is_solved(self):
         cell = contact.Polynomial([0, -0.025, 1, 0.1], period=1.0)
         assert contact.solve(
             contact.Scene(cell, 1.0, contact.Isolated(), load=1e-3)
@@ -215,11 +216,11 @@ class TestStiffness:
         solution = solve(profile, contact.Isolated(), E, **given_by(answer, "load", name))
         assert relative(solution.rotational_stiffness, answer.rotational_stiffness) < 1e-9
 
-    def test_an_upright_body_has_one_too(self):
+    def test_an_upright_body_has_a_rotational_stiffness(self):
         solution = solve(contact.Parabola(3.0), contact.Isolated(), E, load=0.01)
         assert relative(solution.rotational_stiffness, 3.0 * 0.01) < 1e-10
 
-    def test_turning_loosens_a_contact(self):
+    def test_a_body_that_may_turn_is_less_stiff(self):
         profile, answer, _ = wedge()
         held, free = (
             solve(profile, ISOLATED, E, load=answer.load, **given_by(answer, n)).stiffness
@@ -229,7 +230,7 @@ class TestStiffness:
 
 
 def moment_of(problem):
-    """int p x dx of a designed contact, by its own rule."""
+    """Returns int p x dx of a designed contact, by the problem's own quadrature rule."""
     product = problem._product
     scale = 0.5 * problem.E_star * problem._scale
     nodes = [(left, *product.nodes(2 * k), k) for k, (left, _) in enumerate(problem.zones)]
@@ -240,14 +241,14 @@ def moment_of(problem):
 
 
 class TestDesignedContacts:
-    """A designed profile has known zones; turned beforehand, it must turn back under the moment of
-    its pressure.
+    """A designed profile has known zones. If it is turned first, the moment of its known pressure
+    must turn it back.
     """
 
     @pytest.mark.slow
     @settings(max_examples=20)
     @given(designed_contacts(max_zones=6, periodic=False, nearest=0.1), st.floats(-3, 3))
-    def test_the_zones_come_back_with_the_tilt(self, problem, turn):
+    def test_the_moment_restores_the_tilt_and_the_designed_zones(self, problem, turn):
         tilt = turn * problem.load / (problem.E_star * np.ptp(problem.zones))
         scene = contact.Scene(
             Tilted(problem.profile, -tilt),
@@ -259,7 +260,7 @@ class TestDesignedContacts:
         try:
             solution = contact.solve(scene)
         except contact.NotConverged as failure:
-            # A zone of less than a millionth of the load is not known to 1e-8.
+            # A zone that carries less than 1e-5 of the load is not known to the tolerance 1e-8.
             solution = failure.best
             assert np.min(problem.zone_loads) < 1e-5 * problem.load
         assert len(solution.zones) == len(problem.zones)
@@ -270,7 +271,7 @@ class TestDesignedContacts:
 
     @settings(max_examples=10)
     @given(designed_contacts(max_zones=4, periodic=False, nearest=0.1), st.floats(-3, 3))
-    def test_at_the_tilt_they_have_the_moment(self, problem, turn):
+    def test_at_the_given_tilt_the_pressure_has_the_known_moment(self, problem, turn):
         tilt = turn * problem.load / (problem.E_star * np.ptp(problem.zones))
         scene = contact.Scene(
             Tilted(problem.profile, -tilt),
@@ -285,25 +286,27 @@ class TestDesignedContacts:
 
 
 class TestPlaces:
-    """Profiles that are known in part, or whose lowest places lie far apart."""
+    """Profiles that are known only on an interval, and profiles whose lowest points lie far
+    apart.
+    """
 
-    # Two wells 3.9 apart, in contact over a thousandth of that.
+    # The two minima lie 3.9 apart. Each zone is narrower than a thousandth of this distance.
     WELLS = contact.Polynomial([0.0, -1.71574031, 0.29032326, 1.51225252, 0.3203691])
 
-    def test_wells_far_apart_share_a_load_between_them(self):
+    def test_zones_at_minima_far_apart_obey_the_lever_rule(self):
         load = 2.6e-5
         solution = solve(
             self.WELLS, contact.Isolated(), 1.0, tol=1e-8, load=load, moment=0.058 * load
         )
         left, right = solution.zones.mean(axis=1)
-        # Statics: the load of each well by the lever rule, to what the width of the zones is to
-        # their distance.
+        # The lever rule gives the zone loads if each acts at the middle of its zone. The zones
+        # are so narrow that this holds.
         assert solution.zone_loads[1] / load == pytest.approx(
             (0.058 - left) / (right - left), abs=1e-5
         )
         assert len(solution.zones) == 2 and right - left > 1000 * solution.zone_widths.max()
 
-    def test_a_contact_far_off_its_window_is_found_by_the_certificate(self):
+    def test_a_zone_far_outside_the_first_window_is_found_through_the_certificate(self):
         load = 2.6e-5
         tilt = solve(
             self.WELLS, contact.Isolated(), 1.0, tol=1e-8, load=load, moment=0.058 * load
@@ -317,7 +320,7 @@ class TestPlaces:
         ):
             assert len(contact.solve(scene, tol=1e-7).zones) == 2
 
-    def test_one_cell_of_a_row_turns_on_its_own(self):
+    def test_one_period_in_isolated_contact_turns(self):
         wave = contact.Sinusoid(1e-3, 1.0)
         turned = solve(wave, contact.Isolated(), 1.0, load=1e-4, moment=1e-5)
         again = solve(wave, contact.Isolated(), 1.0, load=1e-4, tilt=turned.tilt)
@@ -326,7 +329,7 @@ class TestPlaces:
         by_pressure = solve(wave, contact.Isolated(), 1.0, mean_pressure=1e-4, moment=1e-5)
         assert by_pressure.tilt == pytest.approx(turned.tilt, rel=1e-9)
 
-    def test_a_trace_turns_within_what_was_measured(self):
+    def test_a_trace_turns_only_if_its_contact_stays_within_the_measured_length(self):
         x = np.linspace(-1, 1, 201)
         trace = contact.Sampled(x, -0.1 * x**2 + 1e-4 * np.cos(40 * x))
         solution = solve(trace, contact.Isolated(), 1.0, tol=1e-8, load=1e-2, moment=2e-3)
@@ -347,7 +350,9 @@ class TestPlaces:
 
 
 class TestFindingTheTilt:
-    """balanced(): a root of a growing function, some of which is out of range."""
+    """`balanced` finds the root of a function that grows with the tilt and may be out of range at
+    some tilts.
+    """
 
     @staticmethod
     def centre_of(function, slope, limit=np.inf, calls=None):
@@ -360,19 +365,19 @@ class TestFindingTheTilt:
 
         return lean
 
-    def test_a_wedge_s_tangent_is_bracketed_by_where_it_runs_off(self):
+    def test_tilts_out_of_range_bracket_the_root(self):
         calls = []
         lean = self.centre_of(np.tan, lambda t: 1 / np.cos(t) ** 2, limit=np.pi / 2, calls=calls)
         assert balanced(lean, 1e3, (0.0,), 60).centre == pytest.approx(1e3, abs=1e-8)
         assert len(calls) < 40
 
-    def test_a_saturating_branch_and_slopes_that_mislead(self):
+    def test_the_root_is_found_for_a_saturating_function_and_for_wrong_slopes(self):
         lean = self.centre_of(lambda t: t / (1 + abs(t)), lambda t: 1 / (1 + abs(t)) ** 2)
         assert balanced(lean, 0.99, (0.0,), 60).tilt == pytest.approx(99, rel=1e-4)
         lean = self.centre_of(np.tanh, lambda t: 10.0)
         assert balanced(lean, 0.5, (0.0, 5.0), 60).centre == pytest.approx(0.5, abs=1e-8)
 
-    def test_a_jump_is_left_at_its_nearer_side_and_no_first_guess_in_range_is_told(self):
+    def test_at_a_jump_the_nearer_side_is_returned_and_guesses_out_of_range_are_refused(self):
         lean = self.centre_of(lambda t: -1.0 if t < 0.3 else 2.0, lambda t: 1.0)
         assert balanced(lean, 0.0, (0.0,), 200).centre == -1.0
         with pytest.raises(contact.OutOfRange, match="runs off"):
@@ -417,11 +422,11 @@ class TestWhatNeedsNoTurning:
             assert plan["tilt"].used == (name != "none") and name in plan["tilt"].reason
             assert plan["symmetry"].used == (name == "none")
 
-    def test_what_repeats_has_neither_tilt_nor_moment(self):
+    def test_periodic_contact_has_neither_tilt_nor_moment(self):
         solution = solve(contact.Sinusoid(1e-6, 1e-4), contact.Periodic(), 1e11, load=100.0)
         assert solution.tilt is solution.moment is solution.rotational_stiffness is None
 
-    def test_one_more_unknown_leaves_newton_quadratic(self):
+    def test_newton_s_method_is_quadratic_also_with_an_unknown_tilt(self):
         profile, answer, _ = parabola()
         solution = solve(
             profile, contact.Isolated(), E, tol=1e-13, load=answer.load, moment=answer.moment
@@ -432,8 +437,8 @@ class TestWhatNeedsNoTurning:
 
 
 class TestPaths:
-    """Three tips at 1, 2 and 3: with the moment held, a growing load moves towards x = 0 and the
-    body rocks over.
+    """The profile has three tips, at x = 1, 2 and 3. At a constant moment M the centre of load,
+    M/load, moves towards x = 0 as the load grows. So the body rocks over.
     """
 
     TIPS = contact.Polynomial(

@@ -1,5 +1,5 @@
-"""Closed forms of turned bodies, held to laws they do not contain: the singular integral, the
-moment, the displacement.
+"""Closed forms of turned bodies, checked by laws that they do not contain: the singular integral
+equation, the moment, the displacement.
 """
 
 from collections.abc import Callable
@@ -32,13 +32,13 @@ def name(solution):
 
 
 def moment_of(solution):
-    """int p x dx by Gauss-Chebyshev."""
+    """Returns int p x dx by Gauss-Chebyshev quadrature."""
     phi, middle, half, weight = reference.zone_rule(solution, 0, 4000)
     return float(np.sum(weight * (middle + half * np.cos(phi))))
 
 
 def gap_by_displacement(solution, x):
-    """u + f - tilt x - approach, u the logarithmic potential of the pressure."""
+    """Returns u + f - tilt x - approach, where u is the logarithmic potential of the pressure."""
     u = reference.displacement_of(solution, x, 4000)
     return u + solution.height(x) - solution.tilt * x - solution.approach
 
@@ -55,7 +55,7 @@ def test_the_pressure_solves_the_equation_with_the_slope_of_the_turned_body(solu
 
 @pytest.mark.parametrize("solution", WEDGES, ids=name)
 @pytest.mark.parametrize("t", [-0.95, -0.3, 0.01, 0.6, 0.999])
-def test_so_does_that_of_a_wedge_by_folded_quadrature_about_the_point(solution, t):
+def test_the_pressure_of_a_wedge_solves_the_equation_by_folded_quadrature(solution, t):
     x = solution.middle + solution.half_width * t
     left = reference.folded_transform(solution, x, [*solution.zones[0], 0.0])
     assert left == pytest.approx(0.5 * E * float(solution.slope(x)), rel=1e-9)
@@ -68,7 +68,7 @@ def test_load_and_moment_are_integrals_of_the_pressure(solution):
 
 
 @pytest.mark.parametrize("solution", WEDGES, ids=name)
-def test_the_wedge_bears_its_load_and_moment_to_what_the_rule_sees_of_the_logarithm_at_its_tip(
+def test_load_and_moment_of_a_wedge_are_integrals_of_its_pressure_within_the_quadrature_error(
     solution,
 ):
     assert reference.load_of(solution, 40000) == pytest.approx(solution.load, rel=3e-4)
@@ -78,7 +78,7 @@ def test_the_wedge_bears_its_load_and_moment_to_what_the_rule_sees_of_the_logari
 @pytest.mark.parametrize(
     "solution", [s for s in SMOOTH if not isinstance(s, exact.TiltedPunch)], ids=name
 )
-def test_the_gap_is_that_of_the_displacement_the_pressure_makes(solution):
+def test_the_gap_follows_from_the_displacement_under_the_pressure(solution):
     x = beside(solution, 0.05, 1.0, 6.0)
     assert gap_by_displacement(solution, x) == pytest.approx(solution.gap(x), rel=1e-11)
 
@@ -86,7 +86,7 @@ def test_the_gap_is_that_of_the_displacement_the_pressure_makes(solution):
 @pytest.mark.parametrize(
     "solution", [s for s in PUNCHES if s.lifted and abs(s.moment) < 0.29], ids=name
 )
-def test_a_punch_lifts_off_by_the_displacement_the_pressure_makes(solution):
+def test_the_gap_of_a_lifted_punch_follows_from_the_displacement_under_the_pressure(solution):
     side = -np.sign(solution.moment)
     x = solution.middle + side * solution.half_width * np.array([1.01, 1.2])
     x = np.append(x, side * 0.999)
@@ -96,12 +96,12 @@ def test_a_punch_lifts_off_by_the_displacement_the_pressure_makes(solution):
 
 
 @pytest.mark.parametrize("solution", WEDGES, ids=name)
-def test_the_wedge_s_gap_too_within_the_rule_for_its_tip(solution):
+def test_the_gap_of_a_wedge_follows_from_the_displacement_within_the_quadrature_error(solution):
     x = beside(solution, 0.5, 2.0)
     assert gap_by_displacement(solution, x) == pytest.approx(solution.gap(x), rel=3e-3)
 
 
-def test_what_is_not_turned_is_the_symmetric_closed_form():
+def test_without_tilt_the_closed_forms_are_the_symmetric_ones():
     t = np.linspace(-0.99, 0.99, 40)
     pairs = [
         (exact.TiltedParabola(1.0, E, 0.1, 0.0, 2.0), exact.HertzLine(1.0, E, 0.1, 2.0)),
@@ -140,7 +140,7 @@ def test_a_wedge_found_by_load_and_moment_has_them():
     assert (wedge.load, wedge.moment) == pytest.approx((0.7, -1.3), rel=1e-13)
 
 
-def test_what_cannot_stand_is_refused():
+def test_bodies_without_equilibrium_and_wrong_numbers_are_refused():
     with pytest.raises(OutOfRange, match="corners"):
         exact.TiltedPunch(1.0, E, 0.3, 0.3)
     with pytest.raises(OutOfRange, match="flank"):
@@ -155,7 +155,7 @@ def test_what_cannot_stand_is_refused():
 
 @dataclass
 class Misplaced:
-    """The pressure of one tilt under the slope of another."""
+    """The pressure of a body at one tilt, with the slope of the body at another tilt."""
 
     right: exact.TiltedZone
     slope: Callable
@@ -168,7 +168,7 @@ class Misplaced:
         return self.right.pressure_at(t, zone)
 
 
-def test_a_tilt_off_by_a_millionth_is_noticed():
+def test_a_tilt_wrong_by_a_millionth_violates_the_equation():
     solution = exact.TiltedParabola(1.0, E, 0.1, 0.3)
     assert reference.equation_error(Misplaced(solution, solution.slope)) < 1e-12
     assert (

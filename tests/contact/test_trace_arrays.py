@@ -1,5 +1,5 @@
-"""Traces given as arrays, quantities, file objects and line scans: the same profile as from a file
-of the same numbers.
+"""Traces given as arrays, quantities, file objects and line scans. Each gives the same profile as
+a file of the same numbers.
 """
 
 from __future__ import annotations
@@ -23,12 +23,15 @@ HOLED = np.where(np.arange(X.size) == 7, np.nan, Z)
 TEXT = "x [um];z [nm]\n" + "\n".join(
     f"{x!r};{z!r}" for x, z in zip(X.tolist(), HOLED.tolist(), strict=True)
 )
-# No point lies at the end of the taper, where round-off decides whether it is tapered.
+# No point lies at the end of the taper. There, round-off would decide whether the point is
+# tapered.
 STEPS: dict[str, Any] = {"fill": "linear", "detrend": "line", "taper": 0.093, "period": True}
 
 
 class Quantity:
-    """A quantity like those of pint: multiples of a unit of length [m], or of none."""
+    """A stand-in for a quantity of pint. `metre` is the unit in metres, or None if the unit is no
+    length.
+    """
 
     def __init__(self, magnitude: Any, metre: float | None) -> None:
         self.magnitude, self.metre = magnitude, metre
@@ -40,7 +43,9 @@ class Quantity:
 
 
 class Scan:
-    """A line scan with the methods of SurfaceTopography that are used, lengths in nm."""
+    """A stand-in for a line scan of SurfaceTopography, with the methods that are used. Its
+    lengths are in nm.
+    """
 
     def __init__(self, scale: float = 1.0, unit: str | None = "nm") -> None:
         self.scale, self.unit, self.dim = scale, unit, 1

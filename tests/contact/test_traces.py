@@ -1,5 +1,5 @@
-"""Traces as people have them: put in order, filled, filtered, measured and shown as asked, and
-never otherwise.
+"""Measured traces: sorted, filled, filtered, evaluated and shown as the user asks, and never
+otherwise.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def refused(path: Path, *words: str, **keys: object) -> None:
 
 # Order and dropouts
 # -----------------------------------------------------------------------------------------------------------
-def test_descending_positions_are_turned_round_and_it_is_said(tmp_path: Path) -> None:
+def test_descending_positions_are_reversed_and_the_history_says_so(tmp_path: Path) -> None:
     read = contact.read_trace(write(tmp_path, rows()[::-1]))
     assert np.array_equal(read.x, X) and np.array_equal(read.heights, Z)
     assert "turned round" in read.history[1]
@@ -68,9 +68,7 @@ def test_points_out_of_order_are_sorted_only_if_asked(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("mark", ["nan", "***", "", "BAD", "inf", "n/a"])
-def test_heights_that_are_missing_are_refused_unless_it_is_said_what_to_do(
-    tmp_path: Path, mark: str
-) -> None:
+def test_missing_heights_are_refused_unless_fill_is_given(tmp_path: Path, mark: str) -> None:
     path = write(tmp_path, rows(with_holes(3, 4, 10, mark=mark)))
     refused(path, "line 5", "2 more of 60", 'fill = "linear"', 'fill = "drop"')
     line, drop = contact.read_trace(path, fill="linear"), contact.read_trace(path, fill="drop")
@@ -95,7 +93,9 @@ def test_ends_without_heights_are_cut_off_and_not_made_up(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("mark", ["***", "", "nan", "-"])
 def test_heights_missing_from_the_first_row_on_are_no_header(tmp_path: Path, mark: str) -> None:
-    """Taken for one, they would hide the units."""
+    """If rows with missing heights were taken for a header, the header with the units would be
+    lost.
+    """
     read = contact.read_trace(
         write(tmp_path, rows(with_holes(0, 1, 2, 3, mark=mark)), "x [um];z [nm]"), fill="drop"
     )
@@ -104,7 +104,7 @@ def test_heights_missing_from_the_first_row_on_are_no_header(tmp_path: Path, mar
     assert "4 of 60" in contact.read_trace(alone, pitch=1e-6, fill="drop").history[1]
 
 
-def test_a_mark_that_is_not_named_is_warned_of(tmp_path: Path) -> None:
+def test_a_repeated_value_that_may_mark_missing_heights_causes_a_warning(tmp_path: Path) -> None:
     path = write(tmp_path, rows(with_holes(20, 21, mark="-32768")), "x [m];z [m]")
     with pytest.warns(contact.ModelWarning, match="stands 2 times"):
         contact.read_trace(path)
@@ -117,7 +117,9 @@ def test_many_missing_heights_are_warned_of(tmp_path: Path) -> None:
     refused(write(tmp_path, rows(with_holes(*range(N - 3)))), "at least 4", fill="linear")
 
 
-def test_an_empty_line_among_heights_alone_shifts_nothing_silently(tmp_path: Path) -> None:
+def test_an_empty_line_in_a_column_of_heights_is_refused_unless_all_alternate(
+    tmp_path: Path,
+) -> None:
     told = [f"{z!r}" for z in Z.tolist()]
     refused(
         write(tmp_path, [*told[:7], "", *told[7:]], "z [m]"), "empty line", "line 9", pitch=1e-6
@@ -129,7 +131,7 @@ def test_an_empty_line_among_heights_alone_shifts_nothing_silently(tmp_path: Pat
 # Filters and forms
 # ------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("wave", [40, 80, 160])
-def test_a_gaussian_filter_lets_a_wave_through_by_its_transmission(wave: int) -> None:
+def test_a_gaussian_filter_multiplies_a_wave_by_the_transmission(wave: int) -> None:
     x = np.arange(1001.0)
     z = np.cos(2 * np.pi * x / wave)
     inner = slice(250, -250)
@@ -138,7 +140,7 @@ def test_a_gaussian_filter_lets_a_wave_through_by_its_transmission(wave: int) ->
     assert expected == pytest.approx(0.5) or wave != 80
 
 
-def test_a_gaussian_filter_is_the_weighted_line_at_the_ends_too() -> None:
+def test_a_gaussian_filter_is_a_weighted_fit_of_a_line_also_at_the_ends() -> None:
     rng = np.random.default_rng(2)
     x, z = np.arange(90.0), rng.normal(size=90)
     found = low_pass(x, z, 30.0, "lambda_c")
@@ -152,7 +154,7 @@ def test_a_gaussian_filter_is_the_weighted_line_at_the_ends_too() -> None:
 @pytest.mark.parametrize(
     ("key", "kept", "gone"), [("lambda_s", 20.0, 2.0), ("lambda_c", 2.0, 20.0)]
 )
-def test_each_filter_takes_the_waves_on_its_side_of_the_cut_off(
+def test_each_filter_removes_the_waves_on_its_side_of_the_cut_off(
     tmp_path: Path, key: str, kept: float, gone: float
 ) -> None:
     x = np.arange(401) * 0.1
@@ -166,7 +168,7 @@ def test_each_filter_takes_the_waves_on_its_side_of_the_cut_off(
     assert 1e9 * read.heights[100:-100] == pytest.approx(wave[100:-100], abs=0.1)
 
 
-def test_filters_are_one_line_each_in_a_scene(tmp_path: Path) -> None:
+def test_filters_in_a_scene_file_act_as_in_read_trace(tmp_path: Path) -> None:
     path = write(tmp_path, rows())
     keys = {"lambda_s": 2e-6, "lambda_c": 10e-6, "detrend": 3, "taper": 0.2, "period": True}
     read = contact.read_trace(path, **keys)  # type: ignore[arg-type]
@@ -197,7 +199,7 @@ def test_filters_are_one_line_each_in_a_scene(tmp_path: Path) -> None:
     ],
     ids=str,
 )  # fmt: skip
-def test_keys_that_cannot_be_are_refused_by_name(tmp_path: Path, keys: dict, word: str) -> None:
+def test_wrong_keys_of_a_trace_are_refused_by_name(tmp_path: Path, keys: dict, word: str) -> None:
     refused(write(tmp_path, rows()), word, **keys)
 
 
@@ -209,7 +211,7 @@ def test_a_filter_of_uneven_positions_asks_for_regrid(tmp_path: Path) -> None:
 
 # Numbers
 # ----------------------------------------------------------------------------------------------------------------------
-def test_the_roughness_of_a_wave_and_of_a_ramp_are_those_of_the_books() -> None:
+def test_the_roughness_of_a_wave_a_ramp_and_a_bowl_equals_closed_forms() -> None:
     x = np.arange(512) / 512
     wave = roughness(contact.Sampled(x, 3.0 + 2.0 * np.cos(2 * np.pi * x), period=1.0))
     found = (wave.Ra, wave.Rq, wave.Rsk, wave.Rku, wave.rms_slope)
@@ -233,7 +235,7 @@ def test_the_roughness_of_a_wave_and_of_a_ramp_are_those_of_the_books() -> None:
 
 
 @pytest.mark.parametrize("n", [256, 255])
-def test_the_power_spectrum_holds_the_mean_square(n: int) -> None:
+def test_the_power_spectrum_sums_to_the_mean_square(n: int) -> None:
     z = np.random.default_rng(4).normal(size=n)
     trace = contact.Sampled(np.arange(n) * 0.1, z, period=0.1 * n)
     q, density = power_spectrum(trace)
@@ -265,7 +267,7 @@ def test_a_self_affine_profile_has_its_slope_spectrum_and_seed() -> None:
      {"longest": 3.0}, {"shortest": 1e-9}],
     ids=str,
 )  # fmt: skip
-def test_a_self_affine_profile_that_cannot_be_is_refused_by_name(bad: dict) -> None:
+def test_wrong_parameters_of_a_self_affine_profile_are_refused_by_name(bad: dict) -> None:
     keys = {"hurst": 0.8, "period": 1.0, "shortest": 0.01, "rms_slope": 0.1, "seed": 0}
     with pytest.raises(contact.SceneError, match=f"^{next(iter(bad))} = "):
         contact.self_affine(**{**keys, **bad})
@@ -277,7 +279,7 @@ MAP = np.random.default_rng(8).normal(size=(12, 9))
 
 
 class Surface:
-    """What a reader gives of a map 12 um x 18 um, one height missing."""
+    """A stand-in for what a reader returns: a map of 12 um x 18 um with one height missing."""
 
     unit, dim, physical_sizes = "µm", 2, (12e-6, 18e-6)
 
@@ -319,7 +321,8 @@ def test_a_profile_is_picked_from_a_map_between_two_points(scan: Path) -> None:
     read = contact.read_trace(scan, line=[[0.0, 0.0], [3e-6, 4e-6]])
     assert read.x[-1] == pytest.approx(5e-6) and read.x.size == 6
     assert read.heights[[0, -1]] == pytest.approx(1e-9 * MAP[[0, 3], [0, 2]])
-    # The second point is 0.6 and 0.4 pitches from the first.
+    # The second point lies 0.6 pitches in x and 0.4 in y from the first. Its height is
+    # interpolated bilinearly.
     corners = (
         MAP[0, 0] * 0.4 * 0.6
         + MAP[1, 0] * 0.6 * 0.6
@@ -340,11 +343,11 @@ def test_a_profile_is_picked_from_a_map_between_two_points(scan: Path) -> None:
     ],
     ids=str,
 )  # fmt: skip
-def test_what_a_map_does_not_have_is_refused_by_name(scan: Path, keys: dict, word: str) -> None:
+def test_wrong_keys_of_a_map_are_refused_by_name(scan: Path, keys: dict, word: str) -> None:
     refused(scan, word, **keys)
 
 
-def test_of_several_channels_of_heights_one_is_named(
+def test_one_of_several_height_channels_must_be_named(
     scan: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(
@@ -471,9 +474,11 @@ def test_the_command_refuses_in_one_line_and_by_name(
     assert option.strip("-").replace("-", "_") in result.stderr
 
 
-# Traces with faults: what is said leads on
+# Traces with faults: the message says what to do
 # ------------------------------------------------------------------------------------
-def test_of_a_position_twice_it_is_said_whether_even_ones_are_behind_it(tmp_path: Path) -> None:
+def test_for_repeated_positions_regrid_is_proposed_only_if_they_are_rounded_even_ones(
+    tmp_path: Path,
+) -> None:
     doubled = X.copy()
     doubled[30] = doubled[29]
     path = write(
@@ -487,12 +492,13 @@ def test_of_a_position_twice_it_is_said_whether_even_ones_are_behind_it(tmp_path
 
 
 @pytest.mark.parametrize("down", [False, True])
-def test_columns_the_wrong_way_round_are_told_by_what_to_write(tmp_path: Path, down: bool) -> None:
+def test_swapped_columns_are_refused_with_the_columns_to_write(tmp_path: Path, down: bool) -> None:
     swapped = [f"{z!r};{x!r}" for x, z in zip(X.tolist(), Z.tolist(), strict=True)]
     path = write(tmp_path, swapped[::-1] if down else swapped)
     refused(path, "columns = [1, 0]")
     assert contact.read_trace(path, columns=[1, 0]).heights == pytest.approx(Z)
-    # Heights that only rise are positions as good as any: only their size tells.
+    # Heights that only rise could also be positions. Only their size shows that the columns may
+    # be swapped, so there is a warning.
     rising = write(
         tmp_path, [f"{z!r};{x!r}" for x, z in zip(X.tolist(), np.sort(Z).tolist(), strict=True)]
     )
@@ -500,7 +506,9 @@ def test_columns_the_wrong_way_round_are_told_by_what_to_write(tmp_path: Path, d
         contact.read_trace(rising)
 
 
-def test_a_scene_for_a_trace_and_a_trace_for_a_scene_are_told_apart(tmp_path: Path) -> None:
+def test_a_trace_given_as_a_scene_and_a_scene_given_as_a_trace_are_refused_with_advice(
+    tmp_path: Path,
+) -> None:
     path = write(tmp_path, rows())
     assert "contact trace trace.txt --scene NEW.toml" in run("solve", path, status=2)
     run("trace", path, "--scene", tmp_path / "start.toml")
