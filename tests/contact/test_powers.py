@@ -1,9 +1,8 @@
-"""Power-law indenters and profiles with algebraic points, held to closed forms, to integrals in 30
-digits and to the equation itself.
+"""Power laws and algebraic points, against closed forms, 30-digit integrals and the equation.
 
-The equation is judged by Gauss's rule on panels that halve in length towards every algebraic point,
-end and place: it knows nothing of how the solver carries these points. Its own error is about 1e-11
-of the steepest slope.
+The residual of the equation is computed by Gauss's rule on panels that halve in length towards
+every algebraic point, every end and the point of evaluation. This rule does not use the
+solver's treatment of algebraic points. Its own error is about 1e-11 of the steepest slope.
 """
 
 from dataclasses import dataclass
@@ -36,7 +35,7 @@ T = np.array([0.02, 0.3, 0.7, 0.95])
 
 
 def power(n, period=None):
-    """Of a slope of 0.01 about L/2."""
+    """A power-law profile, whose slope at x = L/2 is 0.005 n."""
     return Power(0.005 * (L / 2) ** (1 - n), n, period)
 
 
@@ -52,9 +51,11 @@ def in_a_row(n, fraction):
 
 # the closed forms ---------------------------------------------------------------------------------
 @pytest.mark.parametrize("n", EXPONENTS)
-def test_load_and_pressure_of_a_lone_power_are_the_integrals_of_punches(n):
-    """P = E* int_0^a f'(x) x / sqrt(a^2 - x^2) dx, and p = (1/pi) int_x^a P'(s) / sqrt(s^2 - x^2)
-    ds with s = x cosh(y).
+def test_load_and_pressure_of_an_isolated_power_are_integrals_over_punches(n):
+    """The load is P = E* int_0^a f'(x) x / sqrt(a^2 - x^2) dx.
+
+    The pressure is p = (1/pi) int_x^a P'(s) / sqrt(s^2 - x^2) ds with s = x cosh(y), where
+    P'(s) is the derivative of the load by the half width, at the half width s.
     """
     exact = IsolatedPower(0.3, n, 2.0, 1.7)
     with mpmath.workdps(30):
@@ -69,7 +70,8 @@ def test_load_and_pressure_of_a_lone_power_are_the_integrals_of_punches(n):
         for t in (1e-6, 0.2, 0.49, 0.51, 0.9, 0.999):
             cuts = mpmath.linspace(0, mpmath.acosh(1 / mpmath.mpf(t)), 9)
             punches = mpmath.quad(lambda y, t=t: (mpmath.mpf(t) * mpmath.cosh(y)) ** (n_ - 1), cuts)
-            # The two parts of the expansion about the tip cancel to (n - 1) of themselves.
+            # The two parts of the expansion about the tip cancel down to a fraction n - 1 of
+            # each part.
             expected = float(n_ * load / (mpmath.pi * a) * punches)
             assert exact.pressure_at(t) == pytest.approx(expected, rel=1e-13 + 1e-15 / (n - 1))
 
@@ -93,7 +95,7 @@ def test_the_power_two_is_the_parabola(fraction):
 @pytest.mark.parametrize(
     "exact", [alone(1.5), alone(6.3), in_a_row(1.3, 0.5), in_a_row(3.3, 0.8)], ids=str
 )
-def test_exact_powers_are_found_again_by_their_loads(exact):
+def test_exact_powers_follow_again_from_their_loads(exact):
     shape = {name: getattr(exact, name) for name in ("coefficient", "exponent", "E_star")}
     shape |= {"datum": exact.datum} if exact.period is None else {"period": exact.period}
     assert type(exact).from_load(exact.load, **shape).half_width == pytest.approx(
@@ -110,9 +112,9 @@ def test_the_peak_of_a_steep_power_is_off_the_middle():
     assert exact.max_pressure > 1.5 * exact.pressure_at(0.0)
 
 
-# the solver against them --------------------------------------------------------------------------
+# the solver against the closed forms --------------------------------------------------------------
 def off(solution, exact):
-    """The error as it is stated: ends over the width, pressures over the peak."""
+    """The larger of the end error over the width and the pressure error over the peak."""
     ends = np.abs(solution.zones - [[-exact.half_width, exact.half_width]]).max() / (
         2 * exact.half_width
     )
@@ -122,7 +124,7 @@ def off(solution, exact):
 
 
 @pytest.mark.parametrize("n", EXPONENTS)
-def test_a_lone_power_is_its_closed_form_over_ten_decades_of_load(n):
+def test_an_isolated_power_has_its_closed_form_over_ten_decades_of_load(n):
     for half_width in (1e-9, 1e-6, 1e-3):
         exact = alone(n, half_width)
         solution = contact.solve(Scene(power(n), E_STAR, Isolated(datum=1e-2), load=exact.load))
@@ -133,10 +135,10 @@ def test_a_lone_power_is_its_closed_form_over_ten_decades_of_load(n):
 
 @pytest.mark.parametrize("n", EXPONENTS)
 @pytest.mark.parametrize("fraction", (1e-4, 0.3, 0.7, 0.95))
-def test_a_row_of_powers_is_its_integral(n, fraction):
+def test_a_periodic_power_agrees_with_its_integral(n, fraction):
     exact = in_a_row(n, fraction)
     solution = contact.solve(Scene(power(n, L), E_STAR, Periodic(), load=exact.load))
-    # The reference is good to 1e-12.
+    # The reference solution has an error of about 1e-12.
     assert off(solution, exact) <= solution.error + 1e-12 and solution.error <= 1e-8
     assert solution.approach == pytest.approx(exact.approach, rel=1e-8)
     x = exact.half_width + (L / 2 - exact.half_width) * np.array([0.1, 0.6, 0.99])
@@ -155,7 +157,7 @@ def test_every_control_finds_the_same_row(control, n, fraction):
 
 
 @pytest.mark.parametrize(("n", "fraction"), [(3.3, 1e-6), (8.6, 0.008), (11.3, 1e-6)])
-def test_a_tiny_contact_has_its_approach_whatever_the_heights_beyond_it(n, fraction):
+def test_an_approach_far_below_the_largest_height_gives_a_tiny_contact(n, fraction):
     exact = in_a_row(n, fraction)
     scene = Scene(power(n, L), E_STAR, Periodic(), approach=exact.approach)
     assert off(contact.solve(scene), exact) <= 1e-8
@@ -182,16 +184,17 @@ def test_the_power_one_is_the_wedge():
 
 
 @pytest.mark.parametrize("n", (1.5, 2.7, 5.2))
-def test_short_ranged_adhesion_adds_a_flat_punch(n):
-    """P = P_0(a) + pi K sqrt(2 a), K the intensity at the ends: what adheres adds (M. Barquins, J.
-    Adhesion 26, 1988, 1-12).
+def test_jkr_adhesion_adds_the_load_of_a_flat_punch(n):
+    """The load is P = P_0(a) + pi K sqrt(2 a) (M. Barquins, J. Adhesion 26, 1988, 1-12).
+
+    P_0 is the load without adhesion, a the half width and K < 0 the edge intensity.
     """
     exact, law = alone(n), JKR(work=1e-3)
     solution = contact.solve(
         Scene(power(n), E_STAR, Isolated(), law=law, half_width=exact.half_width)
     )
     expected = exact.load + pi * law.intensity(E_STAR) * sqrt(2 * exact.half_width)
-    # The punch outweighs the load of steep powers.
+    # For steep powers, the term of the punch is larger than P_0.
     assert solution.load == pytest.approx(expected, rel=1e-9, abs=1e-9 * exact.load)
 
 
@@ -204,7 +207,7 @@ def test_the_localized_row_tends_to_the_row_as_neighbours_are_added(n, fraction)
         solution = contact.solve(Scene(power(n, L), E_STAR, model, half_width=exact.half_width))
         assert solution.error <= 1e-8
         off_by.append(abs(solution.load / exact.load - 1))
-    # As (2m + 1)^-3 (docs/theory.md).
+    # The error of the model falls as (2m + 1)^-3 with m neighbours (docs/theory.md).
     assert off_by[0] / off_by[1] == pytest.approx((13 / 5) ** 3, rel=0.1)
 
 
@@ -223,11 +226,12 @@ def test_a_thick_layer_is_a_half_plane(fraction):
     assert solution.load == pytest.approx(exact.load, rel=1e-8)
 
 
-# profiles of one's own ----------------------------------------------------------------------------
+# profiles of users --------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class Tips(contact.Profile):
-    """A bowl x^2/2R with powers: rows of place, exponent, and coefficients on the left and on the
-    right.
+    """The parabola x^2/(2 R) plus powers of the distance from several places.
+
+    Each row has a place, an exponent, and the coefficients to the left and to the right.
     """
 
     rows: tuple
@@ -253,8 +257,10 @@ class Tips(contact.Profile):
 
 @dataclass(frozen=True)
 class Row(contact.Profile):
-    """A wave of amplitude A and |sin|^n tips: rows of place, exponent, coefficient; (sin v)^n = v^n
-    (1 - n v^2/6 + ...).
+    """A periodic profile: a wave of amplitude A plus terms c |(L/pi) sin(pi (x - s)/L)|^n.
+
+    Each row has the place s, the exponent n and the coefficient c. The algebraic points come
+    from the series (sin v)^n = v^n (1 - n v^2/6 + ...).
     """
 
     rows: tuple
@@ -293,7 +299,7 @@ class Row(contact.Profile):
 
 
 def rule(a, b, places):
-    """Gauss's rule on panels that halve in length towards places and both ends."""
+    """Nodes and weights of Gauss's rule on panels that halve towards places and both ends."""
     halved = (b - a) * 0.5 ** np.arange(1, 45)
     cuts = np.concatenate(
         [[a, b], *(s + sign * halved for s in (a, b, *places) for sign in (-1, 1)), places]
@@ -306,7 +312,7 @@ def rule(a, b, places):
 
 
 def residual(solution):
-    """The largest of (2/E*) (1/pi) PV int p K - f' in contact, over the steepest slope there."""
+    """The largest |(2/E*) (1/pi) PV int p K - f'| at points in contact, over the largest |f'|."""
     profile, zones = solution.scene.profile, solution.zones
     period = profile.period
     tips = np.unique(profile.algebraic_points[:, 0])
@@ -319,9 +325,7 @@ def residual(solution):
             own = a < x < b
             xi, weight = rule(a, b, [s for s in (*tips, *([x] if own else [])) if a < s < b])
             here = solution.pressure(np.array([x]))[0] if own else 0.0
-            away = np.where(
-                xi == x, np.inf, x - xi
-            )  # a node at x itself, to the last digit, has no weight to speak of
+            away = np.where(xi == x, np.inf, x - xi)  # a node equal to x has a negligible weight
             kernel = (
                 1 / away
                 if period is None
@@ -351,7 +355,7 @@ UNLIKE = {
 
 @pytest.mark.parametrize("shape", UNLIKE)
 @pytest.mark.parametrize("load", (0.013, 110.0, pytest.param(1e4, marks=pytest.mark.slow)))
-def test_unlike_powers_of_ones_own_solve_the_equation(shape, load):
+def test_user_profiles_with_unlike_powers_solve_the_equation(shape, load):
     solution = contact.solve(Scene(UNLIKE[shape], E_STAR, Isolated(), load=load))
     assert residual(solution) < 10 * solution.error + 1e-11 and solution.error <= 1e-8
 
@@ -366,14 +370,17 @@ ROWS = {
 
 @pytest.mark.parametrize("shape", ROWS)
 @pytest.mark.parametrize("fraction", (0.01, 0.5, 0.9, pytest.param(0.999, marks=pytest.mark.slow)))
-def test_rows_of_ones_own_solve_the_equation_by_zones_and_by_gaps(shape, fraction):
+def test_periodic_user_profiles_solve_the_equation_by_zones_and_by_gaps(shape, fraction):
     solution = contact.solve(Scene(ROWS[shape], E_STAR, Periodic(), contact_fraction=fraction))
     assert residual(solution) < 10 * solution.error + 1e-11 and solution.error <= 1e-8
 
 
 @pytest.mark.parametrize("shape", ROWS)
-def test_full_contact_under_algebraic_points_is_the_conjugate(shape):
-    """p = pbar - (E*/2) (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi."""
+def test_full_contact_of_algebraic_points_follows_from_the_hilbert_transform(shape):
+    """The pressure is p = pbar - (E*/2) (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi.
+
+    The contact fraction 1 is the beginning of full contact, where the least pressure is zero.
+    """
     profile = ROWS[shape]
     solution = contact.solve(Scene(profile, E_STAR, Periodic(), contact_fraction=1.0))
     tips = np.unique(profile.algebraic_points[:, 0])
@@ -411,10 +418,8 @@ def test_a_turned_power_is_the_mirror_image_of_one_turned_the_other_way():
 
 
 @pytest.mark.slow
-def test_a_power_that_is_not_declared_is_not_solved_for():
-    """Without its algebraic point a tip leaves coefficients that fall too slowly: this is what the
-    declaration is for.
-    """
+def test_an_algebraic_point_that_is_not_declared_prevents_convergence():
+    """Without a declared algebraic point, the coefficients fall too slowly."""
 
     class Undeclared(Power):
         algebraic_points = np.empty((0, 4))
@@ -423,7 +428,7 @@ def test_a_power_that_is_not_declared_is_not_solved_for():
         contact.solve(Scene(Undeclared(power(1.5).coefficient, 1.5), E_STAR, Isolated(), load=30.0))
 
 
-# what is refused, and what is told ----------------------------------------------------------------
+# refused input, checks of profiles, and the plan --------------------------------------------------
 @pytest.mark.parametrize("exponent", (0.0, -1.0, 0.3, 0.999, np.nan, np.inf, "2", True))
 def test_exponents_below_one_are_refused_by_name(exponent):
     with pytest.raises(SceneError, match="exponent"):
@@ -434,7 +439,7 @@ def test_exponents_below_one_are_refused_by_name(exponent):
     "rows",
     ([[0.0, 1.0, 1.0, 1.0]], [[0.0, 0.5, 1.0, 1.0]], [[0.0, 1.5, 1.0]], [[0.0, 1.5, np.nan, 1.0]]),
 )
-def test_rows_that_are_no_algebraic_points_are_refused_by_name(rows):
+def test_invalid_algebraic_points_are_refused_by_name(rows):
     class Odd(Parabola):
         algebraic_points = np.array(rows)
 
@@ -449,7 +454,7 @@ def test_a_power_agrees_with_its_own_claims(n, period):
 
 
 @pytest.mark.parametrize("n", (1.05, 1.5, 1.999, 2.5, 4.7, 6.3))
-def test_a_coefficient_a_hundredth_off_is_found(n):
+def test_check_profile_finds_an_error_of_one_percent_in_a_coefficient(n):
     class Off(Power):
         @property
         def algebraic_points(self):

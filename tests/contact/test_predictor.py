@@ -1,6 +1,4 @@
-"""What ends of many zones are driven by as they move on, as it is foretold: against states in which
-they have, and the equilibria that are come to with it and without.
-"""
+"""Predicted residuals of moving ends: their accuracy, and equilibria with and without them."""
 
 from __future__ import annotations
 
@@ -23,8 +21,9 @@ STYLUS = Path(__file__).parents[2] / "examples" / "stylus.toml"
 
 
 def rough(seed, hurst=0.7, points=400, **more):
-    """(a scene of a random trace under adhesion, in contact in a dozen zones or more, the same
-    without adhesion).
+    """The scene of a random trace with adhesion, and its solution without adhesion.
+
+    There are a dozen zones of contact or more.
     """
     heights = 2e-8 * self_affine_heights(np.random.default_rng(seed), points, hurst, longest=20)
     profile = contact.Sampled(np.linspace(0.0, 1e-4, points, endpoint=False), heights, period=1e-4)
@@ -44,7 +43,7 @@ def state(scene):
     ), solution.fields.density.zones.table
 
 
-# Outward and inward, on a half-plane and on a layer.
+# The ends move outward (sign 1) or inward (sign -1), on a half-plane or on a layer.
 @pytest.mark.parametrize(
     ("points", "sign", "layer"),
     [
@@ -53,9 +52,7 @@ def state(scene):
         *quick([(400, 1.0, False), (400, 1.0, True), (400, -1.0, False), (400, -1.0, True)], []),
     ],
 )
-def test_what_an_end_is_driven_by_farther_on_is_told_the_better_the_nearer_that_is(
-    points, sign, layer
-):
+def test_the_predicted_residual_of_an_end_is_more_accurate_for_shorter_motions(points, sign, layer):
     substrate = {"substrate": contact.Layer(1e-5, 0.3)} if layer else {}
     scene, _ = rough(1, points=points, **substrate)
     curve, table = state(scene)
@@ -64,7 +61,7 @@ def test_what_an_end_is_driven_by_farther_on_is_told_the_better_the_nearer_that_
     ends = np.argsort(-np.tile(np.diff(table, axis=1)[:, 0], 2))[:6]
     missed = []
     for place in (32, 16, 8):
-        # A quarter as far each time.
+        # Each distance is a quarter of the one before.
         distance = told.farthest * (place / 64) ** 2
         off = []
         for end in ends:
@@ -85,7 +82,7 @@ def test_what_an_end_is_driven_by_farther_on_is_told_the_better_the_nearer_that_
         *quick(product([400], range(4), [0.3, 0.9], ["mean_pressure", "approach"]), []),
     ],
 )
-def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(
+def test_ends_reach_the_same_equilibrium_with_and_without_the_predictor(
     points, seed, hurst, control, monkeypatch
 ):
     scene, bare = rough(seed, hurst, points)
@@ -106,7 +103,7 @@ def test_ends_come_to_the_same_equilibrium_whether_it_is_foretold_or_not(
     assert last.load == pytest.approx(without.pull_off.load, rel=1e-9)
 
 
-def test_ends_that_are_driven_the_other_way_alone_are_not_told_to_stand_still():
+def test_an_inward_flow_also_moves_ends_that_are_all_driven_outward():
     scene, _ = rough(0, 0.3)
     curve, table = state(scene)
     value = 1.3 * curve.control.value
@@ -116,9 +113,9 @@ def test_ends_that_are_driven_the_other_way_alone_are_not_told_to_stand_still():
 
 
 @pytest.mark.slow
-def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch):
+def test_an_end_that_moves_over_many_samples_needs_few_states(monkeypatch):
     base = contact.load_scene(STYLUS)
-    # Ends run far up the long tapers.
+    # On the long tapers, ends move far.
     profile = base.profile.varied({"profile": {"taper": 0.05}})
     scene = replace(base, profile=profile, mean_pressure=7 * 6.473e6, law=contact.JKR(1e-3))
     states = []
@@ -133,7 +130,7 @@ def test_an_end_that_runs_over_forty_samples_is_not_stopped_at_each(monkeypatch)
         before = len(states)
         found = real(curve, table, *given)
         ends = found.table.ravel()
-        # The nearest end that it may have come from.
+        # The farthest motion in samples: the distance of an old end from the nearest new end.
         ran = (
             max(np.abs(ends - one).min() for one in table.ravel())
             * curve.problem.units.length

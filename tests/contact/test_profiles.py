@@ -1,4 +1,4 @@
-"""Laws every profile obeys, and the values that make each one the profile it says it is."""
+"""Laws that every profile obeys, and reference values of each kind of profile."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def test_wrap_moves_into_the_cell_and_leaves_the_cell_alone(profile: Profile) ->
 @pytest.mark.parametrize("profile", PERIODIC, ids=name_of)
 def test_the_slope_integrates_to_zero_over_a_period(profile: Profile) -> None:
     assert profile.period is not None
-    # Towards algebraic points panels halve in length.
+    # The panels of Gauss's rule halve in length towards algebraic points.
     beside = profile.period * np.outer([1.0, -1.0], 0.5 ** np.arange(1, 50)).ravel()
     beside = profile.wrap((profile.algebraic_points[:, :1] + beside).ravel())
     cuts = np.unique(
@@ -114,16 +114,16 @@ def test_the_slope_integrates_to_zero_over_a_period(profile: Profile) -> None:
 
 
 @pytest.mark.parametrize("profile", CONJUGATE, ids=name_of)
-def test_the_conjugate_of_the_conjugate_is_the_slope_reversed(profile: Profile) -> None:
-    # H H = -1, with H of the given conjugate by its Fourier coefficients; kinks leave log poles, so
-    # only weakly.
+def test_the_conjugate_rotates_the_fourier_coefficients_of_the_slope(profile: Profile) -> None:
+    # Only low wave numbers are compared, with a coarse tolerance: at kinks the conjugate has
+    # logarithmic poles.
     assert profile.period is not None
     n = 1 << 15
     x = profile.x0 + profile.period * (np.arange(n) + 0.37) / n
     transform = np.fft.rfft(profile.slope_conjugate(x))
     slope = np.fft.rfft(profile.slope(x))
     k = slice(1, 40)
-    # cos -> sin is a factor -i for positive wave numbers.
+    # The conjugate of cos is sin: a factor -i for positive wave numbers.
     assert np.max(np.abs(transform[k] + 1j * slope[k])) <= 1e-3 * np.max(np.abs(slope))
 
 
@@ -134,9 +134,7 @@ def test_profiles_are_values_equal_hashable_and_picklable(profile: Profile) -> N
     assert pickle.loads(pickle.dumps(profile)) == profile
     for worked_out in (profile.height, profile.slope, profile.slope_conjugate):
         worked_out(np.zeros(1))
-    assert len(pickle.dumps(profile)) == len(
-        pickle.dumps(again)
-    )  # nothing of what they have worked out
+    assert len(pickle.dumps(profile)) == len(pickle.dumps(again))  # cached values are not pickled
     assert profile != Sinusoid(2.0, 3.0)
     with pytest.raises(AttributeError):
         profile.period = 1.0  # type: ignore[misc]
@@ -206,8 +204,8 @@ def test_fourier_of_many_harmonics_equals_the_sum_written_out() -> None:
     phase = 2 * np.pi * np.outer(x / 1.5, np.arange(1, 2001))
     b = np.append(b, np.zeros(300))
     k = 2 * np.pi / 1.5 * np.arange(1, 2001)
-    # A phase of k turns carries a rounding of k eps: about 2000 eps sum|a| in the worst case, its
-    # root in practice.
+    # The phase of k turns has a round-off of about k eps. The sum is at worst wrong by 2000 eps
+    # sum|a|; errors of random signs add up to about 2000 eps sqrt(2000).
     tolerance = 2000 * np.finfo(float).eps * np.sqrt(2000) * 10
     assert np.max(np.abs(f.height(x) - np.cos(phase) @ a - np.sin(phase) @ b)) < tolerance
     expected = np.cos(phase) @ (a * k) + np.sin(phase) @ (b * k)
@@ -295,7 +293,7 @@ def test_cells_too_small_for_their_shape_are_refused() -> None:
 
 @dataclass(frozen=True)
 class Cosh(Profile):
-    """f = scale (cosh(x/scale) - 1): analytic, slope left out."""
+    """f = scale (cosh(x/scale) - 1): an analytic height, without a method for the slope."""
 
     scale: float
 
@@ -305,7 +303,7 @@ class Cosh(Profile):
 
 @dataclass(frozen=True)
 class Cubed(Profile):
-    """f = |x|^3: the complex step is fooled by the modulus."""
+    """f = factor |x|^3: because of the modulus, the complex step fails."""
 
     period: float
     factor: float
@@ -315,38 +313,39 @@ class Cubed(Profile):
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e3])
-def test_a_slope_left_out_is_exact_where_the_height_is_analytic(scale: float) -> None:
+def test_a_derived_slope_is_exact_where_the_height_is_analytic(scale: float) -> None:
     p = Cosh(scale)
     x = scale * np.linspace(-2, 2, 41)
     assert p.slope_is_derived and not Sinusoid(1.0, 1.0).slope_is_derived
-    # One ulp of cosh; the complex step has no error of its own.
+    # The only error is the round-off of cosh: the complex step itself has no error.
     assert np.allclose(p.slope(x), np.sinh(x / scale), rtol=1e-14, atol=1e-15)
 
 
 @dataclass(frozen=True)
 class Hyperbola(Profile):
-    """Of real places alone."""
+    """f = sqrt(1 + x^2) - 1, which is defined for real x only."""
 
     def height(self, x):  # type: ignore[no-untyped-def]
         return np.sqrt(1 + np.asarray(x, dtype=float) ** 2) - 1
 
 
 @pytest.mark.parametrize("window", [1.0, 1e-2, 1e-4, 1e-6])
-def test_a_slope_left_out_of_heights_that_hide_their_rounding_is_right_in_a_small_window(
+def test_a_derived_slope_is_right_in_a_small_window_although_the_height_hides_its_round_off(
     window: float,
 ) -> None:
-    # Steps were chosen by the size of sqrt(1 + x^2) - 1, which tells nothing of its rounding: near
-    # its lowest place they were too short.
+    # Near x = 0 the round-off of sqrt(1 + x^2) - 1 is far larger than the small height
+    # suggests. Steps chosen by the size of the height would be too short.
     x = window * (1e-3 + np.cos(np.pi * (np.arange(1024) + 0.5) / 1024))
     derived = Hyperbola().slope(x)
     assert np.abs(derived - x / np.sqrt(1 + x**2)).max() < 1e-12
 
 
-def test_a_slope_left_out_falls_back_to_differences_where_the_complex_step_is_fooled() -> None:
+def test_a_derived_slope_uses_differences_where_the_complex_step_fails() -> None:
     p = Cubed(2e-4, 1e3)
     x = np.linspace(-0.9e-4, 0.9e-4, 40)
     expected = 3e3 * x * np.abs(x)
-    # Sixth-order differences: rounding of f over the step, about 1e-16/0.05, and more near the tip.
+    # The error of sixth-order differences is the round-off of f over the step: about
+    # 1e-16/0.05, and more near the tip.
     assert np.allclose(p.slope(x), expected, rtol=0, atol=1e-10 * np.max(expected))
 
 

@@ -1,6 +1,4 @@
-"""Names of profiles and interactions: look-up, nearest name, parameters by name, packages installed
-beside this one.
-"""
+"""Registries of profiles and interactions: names, nearest names, parameters, plug-ins."""
 
 from __future__ import annotations
 
@@ -37,7 +35,7 @@ def cosh() -> Iterator[type[contact.Profile]]:
 
 
 class Point:
-    """An entry point that gives what it is told to, or raises it."""
+    """A stand-in for an entry point; its method `load` returns or raises the object `gives`."""
 
     def __init__(self, name: str, gives: object) -> None:
         self.name, self.gives = name, gives
@@ -80,7 +78,7 @@ def test_an_unknown_name_is_answered_with_the_nearest() -> None:
 
 
 @pytest.mark.parametrize("name", [None, 3, "", ["wedge"]])
-def test_a_name_that_is_no_name_is_refused(name) -> None:  # type: ignore[no-untyped-def]
+def test_an_invalid_name_is_refused(name) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(SceneError):
         contact.profile(name)
 

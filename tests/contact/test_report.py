@@ -1,4 +1,4 @@
-"""What print(solution) shows: numbers with units and stated errors, and zones, on every route."""
+"""Printed solutions: numbers with units and stated errors, and the zones, for every kind of scene."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ SCENES = {
     "sliding": contact.Scene(CYLINDER, E, LONE, law=contact.Sliding(0.3, beta=0.2), load=1e5),
     "plastic": contact.Scene(WAVE, E, PERIODIC, law=contact.Plastic(2e9), mean_pressure=3e8),
 }
-# What the table has besides the numbers of every contact.
+# Words that only the table of this kind of scene contains.
 OWN = {
     "full contact": "full contact",
     "infinite pressure": "infinite",
@@ -63,7 +63,7 @@ def test_a_solution_prints_as_a_table_with_units_and_errors(name):
     assert "None" not in str(solution) and "nan" not in str(solution)
 
 
-def test_of_many_zones_the_widest_are_printed():
+def test_the_widest_of_many_zones_are_printed():
     waves = contact.Fourier(1e-4, cosine=[1e-8] + [0] * 28 + [1e-8])
     solution = contact.solve(contact.Scene(waves, E, PERIODIC, mean_pressure=1e7))
     count = len(solution.zones)
@@ -83,13 +83,13 @@ def test_zones_have_one_number_in_every_table_and_widths_all_their_digits():
         assert all(f"{width:.6g}" in table._repr_html_() for width in solution.zone_widths)
 
 
-def test_surfaces_that_are_apart_are_said_to_be_apart_and_nothing_else():
+def test_separated_surfaces_are_printed_as_apart():
     path = contact.path(SCENES["JKR"], [-50.0, 100.0, -2000.0])
     assert str(path).count("apart") == 4 and "infinite" not in str(path) + str(path.solutions[0])
 
 
 def test_columns_that_are_compared_share_a_unit():
-    # Zones on both sides of 1 mm: both ends are in millimetres.
+    # The two ends of a zone have one unit, and so have the mean and the largest pressure.
     shape = contact.Sinusoid(1e-7, 1e-3)
     scene = contact.Scene(shape, E, PERIODIC, mean_pressure=1e6)
     heads = [name for name, _ in report.zone_columns(contact.solve(scene))]

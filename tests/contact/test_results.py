@@ -1,6 +1,4 @@
-"""What a solution offers a notebook and a script: a figure, a table, a dataset, and the package its
-version.
-"""
+"""Outputs of a solution: notebook page, figure, data set, tables and files; the version."""
 
 from __future__ import annotations
 
@@ -53,7 +51,7 @@ def test_without_matplotlib_a_notebook_shows_the_numbers_and_what_to_install(mon
     assert "largest pressure" in page and "sie-contact[plot]" in page and "<img" not in page
 
 
-def test_a_figure_is_one_of_its_own():
+def test_each_plot_is_a_new_figure():
     figures = pytest.importorskip("matplotlib.figure")
     solution = contact.solve(WAVE)
     assert isinstance(solution.plot(), figures.Figure) and solution.plot() is not solution.plot()
@@ -94,9 +92,7 @@ TRACE = contact.Scene(ROUGH, 1e9, contact.Periodic(), mean_pressure=1e6)
 
 
 @pytest.mark.parametrize("scene", [WAVE, PAIR, TRACE], ids=["wave", "pair", "trace"])
-def test_the_highest_pressure_of_all_zones_is_that_of_the_solution_and_no_place_of_a_zone_has_more(
-    scene,
-):
+def test_zone_peaks_are_the_largest_pressures_of_the_zones_and_of_the_solution(scene):
     solution = contact.solve(scene)
     assert solution.zone_peaks.max() == pytest.approx(solution.max_pressure, rel=1e-9)
     t = np.sin(np.linspace(-0.5, 0.5, 801) * np.pi)
@@ -148,7 +144,7 @@ def test_a_saved_solution_names_its_scene_its_units_and_the_version(tmp_path):
         assert json.loads(data.attrs["units"])["stiffness"] == "N/m^2"
 
 
-def test_what_was_read_of_a_trace_is_in_its_files():
+def test_a_written_solution_describes_its_measured_trace():
     x = np.linspace(0.0, 1e-3, 65)
     trace = contact.Scene(
         contact.Sampled(x, 1e-6 * np.cos(2e3 * np.pi * x), 1e-3), 1e9, contact.Periodic(), load=1.0
@@ -162,7 +158,7 @@ def test_what_was_read_of_a_trace_is_in_its_files():
 
 
 @pytest.mark.parametrize("write", ["save", "save_zones", "save_fields"])
-def test_a_file_that_is_there_is_written_over_only_when_that_is_asked_for(tmp_path, write):
+def test_an_existing_file_is_overwritten_only_on_request(tmp_path, write):
     path = tmp_path / ("out.json" if write == "save" else "out.csv")
     path.write_text("mine")
     solution = contact.solve(WAVE)
@@ -174,7 +170,7 @@ def test_a_file_that_is_there_is_written_over_only_when_that_is_asked_for(tmp_pa
 
 
 @pytest.mark.parametrize("path", ["out.xyz", "out", "none/out.json", ".", None, 3])
-def test_a_name_that_is_none_of_a_file_is_refused(tmp_path, monkeypatch, path):
+def test_an_invalid_file_name_is_refused(tmp_path, monkeypatch, path):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(contact.SceneError, match="path"):
         contact.solve(WAVE).save(path)
@@ -185,6 +181,7 @@ def test_saved_fields_read_back_and_their_pressure_makes_the_load(tmp_path):
     solution.save_fields(tmp_path / "fields.csv")
     table = np.genfromtxt(tmp_path / "fields.csv", delimiter=",", names=True)
     assert table.dtype.names == export.FIELD_COLUMNS
-    # Cells of a hundredth of the zone, closer at its ends.
+    # The positions are about a hundredth of a zone apart, and closer at its ends. So the
+    # trapezoidal rule has an error of about 1e-3.
     assert np.trapezoid(table["pressure"], table["x"]) == pytest.approx(solution.load, rel=1e-3)
     assert np.array_equal(table["gap"], solution.gap(table["x"]))

@@ -1,4 +1,4 @@
-"""Sampled points: the spline, its periodic closure, and the exact conjugate of its slope."""
+"""Profiles of sampled points: the spline, its period, and the exact conjugate of its slope."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ def cosine(n: int, period: float = 2.0, start: float = 0.3) -> Sampled:
 
 
 def exact_series(s: Sampled, terms: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Slope and conjugate by the spline's Fourier series: DFT times sinc^4(k/n) 3/(2 + cos(2 pi
-    k/n)), Schoenberg.
+    """Slope and conjugate at x, from the Fourier series of the periodic cubic spline (Schoenberg).
+
+    The coefficients are those of the discrete transform times
+    sinc^4(k/n) 3/(2 + cos(2 pi k/n)).
     """
     n, k = s.x.size, np.arange(1, terms + 1)
     amplitude = (
@@ -80,7 +82,7 @@ def test_a_periodic_spline_is_twice_continuously_differentiable_across_the_borde
     assert abs(left - right) <= h * np.max(np.abs(6 * s._spline.c[0])) * 1.01 + 1e-7
 
 
-def test_without_a_period_a_trace_just_ends() -> None:
+def test_without_a_period_a_trace_is_undefined_outside_its_points() -> None:
     s = Sampled([0.1, 0.2, 0.3, 0.4], [0, 1, 0, 1])
     assert s.extent == (0.1, 0.4) and s.support is None and s.period is None
     assert np.array_equal(
@@ -96,8 +98,8 @@ def test_the_conjugate_is_that_of_the_splines_own_fourier_series(n: int) -> None
     x = rng.uniform(-4, 4, 20)
     terms = 20_000
     slope, conjugate = exact_series(s, terms, x)
-    # Terms of f' fall as k^-3, so what is cut off is of size (n/terms)^2 of the largest; that is
-    # all that may differ.
+    # The terms of f' fall as k^-3, so the truncation error is about (n/terms)^2 of the largest
+    # slope. No other difference is allowed.
     tail = 0.2 * (n / terms) ** 2 * np.max(np.abs(slope)) + 1e-12
     assert np.max(np.abs(s.slope(x) - slope)) < tail
     assert np.max(np.abs(s.slope_conjugate(x) - conjugate)) < tail
@@ -105,8 +107,8 @@ def test_the_conjugate_is_that_of_the_splines_own_fourier_series(n: int) -> None
 
 
 def test_the_conjugate_equals_the_sum_of_trilogarithms_of_its_knots() -> None:
-    # f'''' is a sum of J_j delta(x - x_j), so H f' = sum_j J_j (2/(L w^3)) sum_k cos(k w (x -
-    # x_j))/k^3, w = 2 pi/L.
+    # At its knots x_j, f''' jumps by J_j, so f'''' is the sum of J_j delta(x - x_j). Therefore
+    # H f' = sum_j J_j (2/(L w^3)) sum_k cos(k w (x - x_j))/k^3, with w = 2 pi/L.
     n, period = 9, 0.7
     w = 2 * np.pi / period
     s = Sampled(period * np.arange(n) / n, np.random.default_rng(4).standard_normal(n), period)
@@ -114,7 +116,8 @@ def test_the_conjugate_equals_the_sum_of_trilogarithms_of_its_knots() -> None:
     for x in (0.0, 0.0131, 0.35, 0.69):
         terms = [mpmath.polylog(3, mpmath.expj(w * (x - xj))).real for xj in at]
         exact = 2 / (period * w**3) * float(mpmath.fdot(jumps, terms))
-        # Rounding of the jumps times their cancellation in the reference's own sum.
+        # The round-off of the jumps is amplified, because terms of the reference solution
+        # cancel.
         assert s.slope_conjugate(x) == pytest.approx(
             exact, rel=0, abs=1e-14 * np.sum(np.abs(jumps)) / w**2
         )
@@ -125,8 +128,8 @@ def test_the_conjugate_of_ten_thousand_points_is_good_to_eleven_digits() -> None
     x = np.arange(n) / n
     s = Sampled(x, np.cos(2 * np.pi * x), 1.0)
     t = np.random.default_rng(1).uniform(0, 1, 500)
-    # The slope of the spline itself is off by about (2 pi/n)^3 / 100 = 2e-12 of the largest,
-    # between its knots.
+    # Between the knots, the slope of the spline itself has a relative error of about
+    # (2 pi/n)^3 / 100 = 2e-12.
     assert np.max(np.abs(s.slope_conjugate(t) / (2 * np.pi) + np.cos(2 * np.pi * t))) < 1e-11
 
 
@@ -150,8 +153,9 @@ def test_the_conjugate_of_uneven_points_equals_the_sum_of_clausen_functions_of_i
 
 
 def of_knots(s: Sampled, x: np.ndarray) -> np.ndarray:
-    """H f' by what the rounded spline's derivatives jump by at its knots, the first two by
-    rounding; in 25 digits.
+    """The conjugate H f' from the jumps of the derivatives at the knots, in 25 digits.
+
+    The first two derivatives jump only because the coefficients of the spline are rounded.
     """
     with mpmath.workdps(25):
         knots, third, second, first = (
