@@ -1,6 +1,4 @@
-"""Designed contacts with a tension beside them are held to the singular integral and to the load,
-and the solver to them.
-"""
+"""Designs under Dugdale's law: checks of pressure, gap and load, and the solver against them."""
 
 import numpy as np
 import pytest
@@ -12,8 +10,9 @@ from contact.errors import SceneError
 from contact.inverse import CohesiveDesign, random_cohesive_problem
 from tests.tiers import quick
 
-# Seed, zones, whether two of them share an interval, and the reach over what the tension alone
-# opens: designs that may be.
+# Admissible designs: (seed, number of zones, whether two zones share a cohesive interval, `part`).
+# The reach is `part` times 4 s d/(pi E*), where s is the tension and d the mean width of its
+# strips.
 DESIGNS = [
     (0, 1, False, 5.0),
     (1, 1, False, 10.0),
@@ -27,7 +26,7 @@ DESIGNS = [
 
 
 def drawn(seed, count, shared, part):
-    """Unlike zones with unlike strips beside them."""
+    """A random design: zones of different widths, with strips of tension of different widths."""
     rng = np.random.default_rng(seed)
     widths, gaps, strip = (
         rng.uniform(0.7, 1.3, count),
@@ -49,7 +48,7 @@ def drawn(seed, count, shared, part):
 
 
 def on_zones(made, count):
-    """Places, weights of an integral, and p, by Gauss's rule in the angle."""
+    """(Positions on the zones, weights of an integral, pressure): Gauss's rule in the angle."""
     u, weight = np.polynomial.legendre.leggauss(count)
     theta, half = 0.5 * np.pi * (1 + u), 0.5 * np.diff(made.zones)
     x = made.zones.mean(axis=1, keepdims=True) - half * np.cos(theta)
@@ -68,7 +67,8 @@ def test_the_pressure_makes_the_slope_of_the_gap_and_the_load(drawing):
     assert weight @ p - made.stress * strips == pytest.approx(
         made.load, abs=1e-10 * (weight @ np.abs(p))
     )
-    # q = p + s on the zones, and -s on all of the intervals: logarithms.
+    # The density is p + s on the zones, and -s on all of each cohesive interval. The transform of
+    # the constant -s is a difference of logarithms.
     at = np.array(
         [made.cohesive[0, 0] - 0.7, made.cohesive[-1, 1] + 0.4, made.cohesive[-1, 1] + 1.3]
     )
@@ -84,7 +84,7 @@ def test_the_pressure_makes_the_slope_of_the_gap_and_the_load(drawing):
 
 
 @pytest.mark.parametrize("drawing", DESIGNS)
-def test_the_gap_is_the_reach_at_every_end_of_the_tension_and_closes_at_the_zones(drawing):
+def test_the_gap_is_the_reach_where_the_tension_ends_and_the_zone_ends_bear_the_tension(drawing):
     made = drawn(*drawing)
     assert made.gap(made.cohesive.ravel()) == pytest.approx(
         np.full(made.cohesive.size, made.reach), rel=1e-10
@@ -107,13 +107,13 @@ def test_designed_contacts_of_unlike_zones_are_solved_to_nine_digits(drawing):
     assert made.is_admissible
     law = contact.Dugdale(made.work, made.stress)
     scene = contact.Scene(made.profile, made.E_star, contact.Isolated(), law=law, load=made.load)
-    # The stated error is up to a hundred times the true one.
+    # The stated error is up to a hundred times the true error.
     found = contact.solve(scene, tol=3e-8)
     least = float(np.diff(made.zones).min())
     assert found.zones == pytest.approx(made.zones, abs=1e-9 * least)
     assert found.cohesive == pytest.approx(made.cohesive, abs=1e-9 * least)
-    # At equal places in the zones: beside an end the pressure at one x follows the root of how far
-    # the end is off.
+    # The pressures are compared at equal scaled positions t in the zones. At a fixed x near an end,
+    # the pressure would change by the square root of the error of this end.
     x, _, p = on_zones(made, 9)
     t = (x.reshape(-1, 9) - made.zones.mean(axis=1, keepdims=True)) / (0.5 * np.diff(made.zones))
     pressures = np.concatenate([found.pressure_at(t[k], k) for k in range(len(t))])
@@ -121,8 +121,9 @@ def test_designed_contacts_of_unlike_zones_are_solved_to_nine_digits(drawing):
 
 
 def is_met(made):
-    """Whether the contact is met, or lies within the design, which is not always on the branch that
-    advances.
+    """Whether the solver finds the design, or cohesive intervals inside those of the design.
+
+    The solver follows the advancing branch. A design is not always on this branch.
     """
     law = contact.Dugdale(made.work, made.stress)
     found = contact.solve(
@@ -147,7 +148,7 @@ def is_met(made):
 @pytest.mark.parametrize(
     ("seed", "count"), quick([(0, 1), (2, 2), (1, 3), (2, 6)], always=[(0, 1), (2, 2), (1, 3)])
 )
-def test_a_random_design_bears_its_load_and_is_met(seed, count):
+def test_a_random_design_carries_its_load_and_is_found(seed, count):
     made = random_cohesive_problem(np.random.default_rng(seed), count, spread=2.0)
     x, weight, p = on_zones(made, 400)
     strips = np.sum(np.diff(made.cohesive)) - np.sum(np.diff(made.zones))
@@ -159,7 +160,7 @@ def test_a_random_design_bears_its_load_and_is_met(seed, count):
 @pytest.mark.slow
 @settings(max_examples=24, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 10**6), st.integers(1, 6))
-def test_designs_of_one_to_six_unlike_zones_are_met(seed, count):
+def test_designs_of_one_to_six_unlike_zones_are_found(seed, count):
     made = random_cohesive_problem(np.random.default_rng(seed), count, spread=2.0)
     assert is_met(made)
 
@@ -172,7 +173,7 @@ def test_a_design_of_other_zones_is_another_contact():
     assert np.abs(other.profile.coefficients - made.profile.coefficients).max() > 1e-9 * made.rise
 
 
-def test_intervals_that_hold_no_zone_and_zones_without_one_are_refused():
+def test_intervals_without_a_zone_and_ends_in_descending_order_are_refused():
     with pytest.raises(SceneError, match="each hold a zone"):
         CohesiveDesign([[-1, 1]], [[-2, 2], [3, 4]], 1.0, 1e-3, 1e-2, 0.1)
     with pytest.raises(SceneError, match="strictly increasing"):

@@ -1,6 +1,4 @@
-"""JKR adhesion, solved: against closed forms and designed contacts, on the branch that is asked
-for, with its pull-off.
-"""
+"""JKR adhesion: both branches and pull-off, against closed forms and designed contacts."""
 
 from __future__ import annotations
 
@@ -53,7 +51,7 @@ def designed(problem, branch="advancing"):
             return contact.solve(scene, branch=branch)
         except (
             contact.NotConverged
-        ) as failure:  # heights of high degree may be rounded to more than 1e-8 of a narrow zone
+        ) as failure:  # round-off of heights of high degree may move narrow zones by more than 1e-8
             assert failure.best.error < 1e-6
             return failure.best
 
@@ -83,7 +81,7 @@ def test_the_wave_is_johnsons_on_its_stable_branch(load):
 
 
 @pytest.mark.parametrize("approach", [8e-3, 1e-3, 0.0, -1e-3])
-def test_a_held_approach_is_another_control_with_another_pull_off(approach):
+def test_under_a_fixed_approach_the_wave_has_another_pull_off(approach):
     reference, solution = WAVE.at_approach(approach), wave(approach=approach)
     agrees(solution, reference)
     assert solution.load == pytest.approx(reference.load, rel=1e-9)
@@ -101,15 +99,16 @@ def test_the_cylinder_is_barquins(load, branch):
 
 
 @pytest.mark.parametrize("short", [1e-2, 1e-4, 1e-6])
-def test_a_load_as_near_to_pull_off_is_still_on_the_stable_branch(short):
+def test_a_load_very_near_to_pull_off_is_still_on_the_stable_branch(short):
     load = (1 - short) * CYLINDER.pull_off_load
     solution, reference = cylinder(load=load), CYLINDER.at_load(load)
-    # The width goes with the root of what is left of the load.
+    # Near pull-off the half width changes with the square root of the distance to the load of
+    # pull-off. So round-off of the load causes an error that grows towards pull-off.
     assert solution.zones[0, 1] == pytest.approx(reference.half_width, rel=1e-13 / short)
     assert 0.0 < solution.certificate.stability < 10 * np.sqrt(short)
 
 
-def test_past_pull_off_there_is_none_and_the_message_says_where_it_was():
+def test_past_pull_off_there_is_no_contact_and_the_message_says_where_pull_off_is():
     with pytest.raises(
         contact.OutOfRange, match=r"past pull-off.*-0\.0001743671.*approach -0\.000586351"
     ):
@@ -144,7 +143,7 @@ def test_above_the_critical_work_the_wave_closes_by_itself():
     ("seed", "period"),
     quick(product(range(40), [None, 1.0]), always=[*zip(range(8), cycle([None, 1.0]))]),
 )
-def test_a_designed_contact_lies_between_the_branches_and_is_one_where_as_many_zones_come_about(
+def test_a_designed_contact_is_found_or_lies_between_the_advancing_and_the_receding_branch(
     seed, period
 ):
     count = seed % 6 + 1
@@ -160,14 +159,14 @@ def test_a_designed_contact_lies_between_the_branches_and_is_one_where_as_many_z
         assert np.sort(solution.zone_loads) == pytest.approx(
             np.sort(problem.zone_loads), abs=1e-7 * np.abs(problem.zone_loads).max()
         )
-    else:  # a zone of it is come by only from a larger load
+    else:  # some zone of the design appears only after a larger load
         assert solution.zone_widths.sum() < width
         assert period is not None or designed(problem, "receding").zone_widths.sum() > width
 
 
 @example(inverse.random_adhesive_problem(np.random.default_rng(13), 2, None, pull=10.0**-0.5))
 @given(adhesive_designs(periodic=False))
-def test_a_lone_designed_contact_is_found_to_what_the_rounding_of_its_heights_leaves(problem):
+def test_an_isolated_designed_contact_is_found_up_to_the_round_off_of_its_heights(problem):
     solution = designed(problem)
     assume(
         len(solution.zones) == len(problem.zones)
@@ -184,7 +183,7 @@ def test_a_lone_designed_contact_is_found_to_what_the_rounding_of_its_heights_le
 
 
 @pytest.mark.parametrize(("seed", "period"), [(0, None), (5, None), (1, 1.0), (7, 1.0)])
-def test_the_certificate_tells_the_second_variation_of_the_design(seed, period):
+def test_the_solution_has_the_second_variation_of_the_energy_of_the_design(seed, period):
     problem = inverse.random_adhesive_problem(np.random.default_rng(seed), None, period)
     solution = designed(problem)
     root = np.sqrt(np.repeat(problem.zone_widths, 2))
@@ -208,7 +207,7 @@ def test_an_unstable_equilibrium_is_not_certified():
     )
 
 
-def test_without_adhesion_left_it_is_the_frictionless_contact():
+def test_as_the_work_of_adhesion_vanishes_the_contact_becomes_the_frictionless_one():
     profile = contact.Fourier(1.0, [0.01, 0.004, 0.002], [0.0, 0.003, -0.002])
     scene = contact.Scene(profile, E, contact.Periodic(), mean_pressure=5e-3)
     bare = contact.solve(scene)
@@ -216,7 +215,8 @@ def test_without_adhesion_left_it_is_the_frictionless_contact():
         np.abs(contact.solve(replace(scene, law=contact.JKR(w))).zones - bare.zones).max()
         for w in (1e-12, 1e-16)
     ]
-    # The zones follow the intensity, a root of the work.
+    # The zones change in proportion to the edge intensity, that is, to the square root of the work
+    # of adhesion.
     assert off[0] < 1e-3 and off[0] / off[1] == pytest.approx(100.0, rel=0.05)
 
 
@@ -260,11 +260,12 @@ def test_a_rough_profile_is_solved_on_its_branch_and_pulled_off():
     last = solution.pull_off
     assert last.load < 0
     inside = contact.solve(replace(scene, mean_pressure=0.0)).pull_off
-    # More was in contact under a larger load, and what has come together holds better.
+    # A larger load has brought more of the surface into contact, so pull-off needs at least as much
+    # tension.
     assert last.load <= inside.load * (1 - 1e-9) < 0
 
 
-def test_what_does_not_go_with_it_is_refused_by_name():
+def test_scenes_that_jkr_does_not_allow_are_refused_by_name():
     for work in (0.0, -1.0, float("nan"), "1"):
         with pytest.raises(contact.SceneError, match="work"):
             contact.JKR(work)
@@ -294,7 +295,7 @@ def test_what_does_not_go_with_it_is_refused_by_name():
         _ = contact.solve(scene).pull_off
 
 
-def test_a_scene_file_names_it(tmp_path):
+def test_a_scene_file_names_the_law_jkr(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(
         '[profile]\nshape = "sinusoid"\namplitude = 0.01\nperiod = 1.0\n[material]\nE_star = 1.0\n[interaction]\nmodel = "periodic"\n'
@@ -309,7 +310,7 @@ def test_a_scene_file_names_it(tmp_path):
     ("slopes", "after", "passed"),
     [((-1.0, 1.0), 0.1, True), ((0.0, 0.0), 0.1, False), ((-0.2, -0.2), -0.1, True)],
 )
-def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_between_them(
+def test_a_step_past_an_equilibrium_is_noticed_by_the_sign_after_it_or_by_the_cubic_interpolant(
     slopes, after, passed
 ):
     table, step = np.array([[-1.0, 1.0]]), np.full(2, 0.5)
@@ -321,8 +322,11 @@ def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_bet
 
 
 class Stiff:
-    """Two zones, of which the left end of the second is driven inward, grows unstable at first, and
-    comes to rest 0.09 of its width on; the others are at rest, one a little beyond.
+    """Stands in for `Curve`: two zones, and only the left end of the second one moves far.
+
+    This end is driven inward. It is unstable at first, and stable after it has passed a minimum of
+    its residual; it comes to rest after 0.09 of its zone's width. The left end of the first zone is
+    at rest 5e-5 farther outward, the right ends where they start.
     """
 
     problem = SimpleNamespace(detail=np.inf, borders=(-np.inf, np.inf), period=None)
@@ -337,18 +341,21 @@ class Stiff:
         return State(table, value, residual, rates, np.ones(4), 0.0, 0.0)
 
 
-def test_an_end_that_is_at_rest_does_not_hold_up_one_that_runs():
+def test_ends_at_rest_do_not_stop_an_end_that_is_far_from_rest():
     curve = Stiff()
     rest = gradient_flow.receded(curve, curve.start, 0.0)
-    allowed = gradient_flow.ACCURACY.resting_step  # times the width of 1
+    allowed = gradient_flow.ACCURACY.resting_step  # relative to the zone's width, which is 1
     moved = rest.table[1, 0] - 1.0
     assert moved == pytest.approx((0.5 + np.sqrt(0.25 + 0.64)) / 16, abs=allowed)
     assert np.abs(rest.residual).max() < 1e-4 and rest.growth < 0.0
 
 
 class Relieved(Stiff):
-    """Two zones, of which the right one is relieved as the left one is lost, and comes apart by
-    itself.
+    """Stands in for `Curve`: the left zone is lost, and then the right zone separates by itself.
+
+    Without the left zone the ends of the right zone are driven inward less, but harder and harder
+    as the zone narrows. `narrowest` is the smallest width of the right zone at which a state was
+    computed.
     """
 
     def __init__(self):
@@ -366,13 +373,13 @@ class Relieved(Stiff):
         return State(table, value, np.tile(driven, 2), np.eye(count), np.ones(count), 0.0, 0.0)
 
 
-def test_a_zone_that_is_relieved_by_one_that_is_lost_has_come_apart_once_it_is_narrow_and_driven_ever_more():
+def test_after_the_loss_of_one_zone_another_one_counts_as_lost_before_its_width_vanishes():
     curve = Relieved()
     assert gradient_flow.receded(curve, np.array([[-2.0, -1.9], [1.0, 2.0]]), 0.0) is None
     assert curve.narrowest > 1e-6
 
 
-def test_a_zone_that_slides_as_it_comes_off_does_so_next_to_its_turning_point():
+def test_just_past_its_turning_point_a_last_zone_that_slides_is_lost():
     rng = np.random.default_rng(59)
     k, phase = np.arange(1, 25), 2 * np.pi * rng.random(24)
     size = 0.02 * k**-1.2 / np.sqrt(0.5 * np.sum((2 * np.pi * k**-0.2) ** 2))
@@ -381,14 +388,15 @@ def test_a_zone_that_slides_as_it_comes_off_does_so_next_to_its_turning_point():
     solution = contact.solve(scene)
     assert len(solution.zones) == 3
     curve = Curve(solution.fields.problem, solution.find_pull_off.control)
-    # A little within where the last zone comes off, under the control at which it does.
+    # The interval is a little narrower than the last zone at pull-off; the control has its value at
+    # pull-off.
     assert (
         gradient_flow.receded(curve, np.array([[0.157164, 0.168935]]), -0.0016022921712400835)
         is None
     )
 
 
-def test_past_a_turning_point_ends_are_pushed_no_farther_than_the_narrow_gap_between_them_holds():
+def test_past_a_turning_point_the_displaced_ends_leave_a_narrow_gap_open():
     table = np.array([[-1.0, -1e-3], [1e-3, 1.0]])
     turned = State(
         table, 0.0, np.zeros(4), 0.25 * np.ones((4, 4)) - np.eye(4), np.ones(4), 0.0, 0.0
@@ -413,11 +421,11 @@ def rough():
 @pytest.mark.parametrize(
     "law", [contact.JKR(1e-4), contact.Dugdale(1e-4, 2e6)], ids=["jkr", "dugdale"]
 )
-def test_pull_off_under_a_held_approach_is_where_the_path_ends(monkeypatch, law):
+def test_pull_off_under_a_fixed_approach_is_where_the_path_ends(monkeypatch, law):
     frictionless = contact.solve(contact.Scene(rough(), 1e9, contact.Periodic(), mean_pressure=2e6))
     scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=law, approach=frictionless.approach)
     solution = contact.solve(scene)
-    # The way down goes by loads.
+    # Although the approach is the control, the search for pull-off first lowers the load.
     lowered = []
     real = apart.lowered_by_load
     for room in (apart, pull_off_of_solution):
@@ -443,9 +451,10 @@ def test_pull_off_under_a_held_approach_is_where_the_path_ends(monkeypatch, law)
     ("part", "substrate"),
     diagonal([-0.5, 0.5, 0.9, 1.0, 1.1, 2.0], [contact.HalfPlane(), contact.Layer(3e-5, 0.2)]),
 )
-def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(part, substrate):
-    # K dK/ds is symmetric, as the energy has second derivatives: told where all K have one sign, as
-    # under less load.
+def test_growth_and_motions_are_eigenvalues_and_eigenvectors_of_the_rates(part, substrate):
+    # The products K dK/ds are second derivatives of the energy up to a factor, so their matrix is
+    # symmetric. `State.motions` uses this if all intensities K have one sign, as under smaller
+    # loads.
     scene = contact.Scene(
         rough(),
         1e9,
@@ -477,9 +486,12 @@ def test_growth_and_motions_are_those_of_the_rates_whichever_way_they_are_told(p
     ("work", "given"),
     diagonal([1e-3, 1e-7, 1e-9, 2e-12], [(0.447, "load"), (0.447, "approach"), (0.2, "load")]),
 )
-def test_the_load_of_pull_off_is_that_of_its_zone_however_wide_the_contact_was(work, given):
-    """Westergaard's load less that of the edge intensities, sqrt(2 E* w L tan(pi a / L)); work: w L
-    / (E* A^2).
+def test_the_load_of_pull_off_follows_from_its_zone_however_wide_the_contact_was(work, given):
+    """At pull-off the load is Westergaard's load minus sqrt(2 E* w L tan(pi a/L)).
+
+    Westergaard's load belongs to the half width a of the zone at pull-off; the second term is the
+    load of the edge intensities. work: w L/(E* A^2) with the work of adhesion w, the period L and
+    the amplitude A.
     """
     half_width, control = given
     wave, law = contact.Sinusoid(1.0, 1.0), contact.JKR(work)

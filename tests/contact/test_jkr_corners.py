@@ -1,5 +1,7 @@
-"""JKR adhesion between sharp corners: ends are held there while their intensity is above that of
-free ones, and let go below.
+"""JKR adhesion of bodies with sharp corners.
+
+An end is held at a corner while its edge intensity is above that of a free end. Otherwise it leaves
+the corner.
 """
 
 from __future__ import annotations
@@ -20,16 +22,16 @@ INSIDE = np.array([-0.97, -0.6, 0.0, 0.3, 0.9])
 
 
 def free_load(c):
-    """Under which the ends of a lone cylinder are free at -c and c (Barquins 1988)."""
+    """Load under which an isolated cylinder has free ends at -c and c (Barquins 1988)."""
     return pi * E * c**2 / (4 * RADIUS) - pi * K * np.sqrt(2 * c)
 
 
-# Half width at which it is pulled off.
+# Half width of the isolated cylinder at pull-off.
 LAST = (RADIUS / (pi * E) * sqrt(2 * pi * E * WORK)) ** (2 / 3)
 
 
 def cut(a, slope=0.0, period=None):
-    """A cylinder that ends in sharp corners at -a and a, turned by a slope."""
+    """A cylinder with sharp corners at -a and a, turned by the angle `slope`."""
     return contact.Combined(
         contact.Flat(2 * a, period), contact.Polynomial([0.0, slope, 0.5 / RADIUS])
     )
@@ -47,7 +49,9 @@ def agrees(solution, x, pressure):
 
 
 @pytest.mark.parametrize("branch", ["advancing", "receding"])
-def test_a_flat_punch_has_its_closed_form_under_pressure_and_tension_and_lets_go_at_once(branch):
+def test_a_flat_punch_under_tension_has_its_closed_form_and_keeps_its_full_width_until_pull_off(
+    branch,
+):
     width, period, x = 0.6, 1.0, 0.3 * INSIDE
     least, angle = -pi * K * sqrt(width), pi * width / (2 * period)
     load = 0.4 * least
@@ -70,12 +74,13 @@ def test_a_flat_punch_has_its_closed_form_under_pressure_and_tension_and_lets_go
     ("part", "branch"),
     [(0.5, "advancing"), (0.5, "receding"), (1.5, "receding"), (3.0, "advancing")],
 )
-def test_ends_of_a_cut_cylinder_are_held_from_the_load_on_under_which_free_ones_reach_the_corners(
+def test_ends_of_a_cut_cylinder_are_held_above_the_load_at_which_free_ends_reach_the_corners(
     part, branch
 ):
     a = part * LAST
-    # Of a cylinder so narrow that free ends would be unstable, held ones let go; else they leave
-    # the corners first.
+    # If free ends at the corners would be unstable (a < LAST), pull-off is at the load where the
+    # held ends leave the corners. Otherwise the ends leave the corners first and pull-off comes
+    # later.
     least = free_load(min(a, LAST))
     for load in (free_load(a) + 1e-6 * abs(free_load(a)), free_load(a) + 0.01, 0.5 * least):
         solution = solve(cut(a), branch, load=load)
@@ -102,7 +107,8 @@ def test_one_end_held_at_its_corner_and_the_other_one_free(seed):
     b = a - rng.uniform(0.1, 1.5) * slope * RADIUS
     c, middle = 0.5 * (a + b), 0.5 * (b - a)
     tilt = middle / RADIUS + slope
-    # The intensity of the right end is the free one's; that on the left is larger.
+    # The right end has the intensity of a free end. The intensity of the left end is larger, so
+    # this end stays at its corner.
     punch = 0.5 * E * tilt * c - k * sqrt(2 * c)
     assert 0.5 * E * tilt * c + punch > -k * sqrt(2 * c)
     load = pi * E * c**2 / (4 * RADIUS) + pi * punch
@@ -114,7 +120,7 @@ def test_one_end_held_at_its_corner_and_the_other_one_free(seed):
             c**2 - y**2
         )
         agrees(solution, middle + y, pressure)
-        # Free ends about the tip are as those of the whole cylinder.
+        # At pull-off both ends are free, as on the whole cylinder.
         assert solution.pull_off.load == pytest.approx(
             -3 * (pi * E * work**2 * RADIUS / 16) ** (1 / 3), rel=1e-9
         )
@@ -134,7 +140,7 @@ def test_a_cut_wave_is_held_at_its_corners_in_every_period():
         )
 
 
-def test_a_path_tells_where_ends_are_held_and_freed_and_loses_nothing_there():
+def test_a_path_reports_where_ends_are_held_and_freed_and_no_energy_is_lost_there():
     a = 3 * LAST
     scene = contact.Scene(cut(a), E, contact.Isolated(datum=1.0), law=LAW, load=0.0)
     loop = contact.path(scene, [-0.01, 0.02, -0.01])
@@ -144,7 +150,8 @@ def test_a_path_tells_where_ends_are_held_and_freed_and_loses_nothing_there():
     )
     assert loop.events[1].lost == loop.events[2].lost == 0.0
     assert loop.work == pytest.approx(loop.dissipated, rel=1e-9)
-    # Held ends that would be unstable as free ones let go together, with a loss.
+    # On a narrower body free ends would be unstable. Both held ends leave their corners together,
+    # and energy is lost.
     narrow = contact.Scene(cut(0.5 * LAST), E, contact.Isolated(datum=1.0), law=LAW, load=0.0)
     last = contact.path(narrow, [-0.01, 0.02, -0.01]).events[-1]
     assert last.kind == "pull-off" and last.lost > 0.0
@@ -168,7 +175,7 @@ def test_the_work_of_the_load_through_the_kink_of_the_curve_is_the_change_of_ene
     assert last.energy.total - first.energy.total == pytest.approx(work, rel=1e-10)
 
 
-def test_a_contact_that_may_be_anywhere_along_a_level_stretch_is_refused_by_that():
+def test_a_contact_whose_place_on_a_level_stretch_is_undetermined_is_refused_with_this_reason():
     scene = contact.Scene(contact.Flat(1.0), E, contact.Isolated(datum=1.0), law=LAW, load=0.0)
     assert contact.path(scene, [-0.01, 0.1, -0.01], control="approach").solutions[-1].load < 0.0
     with pytest.raises(contact.NotConverged, match="level stretch"):
@@ -176,7 +183,7 @@ def test_a_contact_that_may_be_anywhere_along_a_level_stretch_is_refused_by_that
 
 
 @pytest.mark.slow
-def test_where_a_tension_is_lost_under_a_held_approach_the_surface_comes_up_elsewhere():
+def test_when_a_zone_under_tension_is_lost_at_a_fixed_approach_the_surface_touches_elsewhere():
     waves = np.arange(1, 5)
     phase = np.array([5.2, 3.7, 1.8, 0.3])
     size = 0.015 * waves**-1.5
@@ -188,12 +195,12 @@ def test_where_a_tension_is_lost_under_a_held_approach_the_surface_comes_up_else
     assert any(
         event.kind == "jump" and len(event.after) > len(event.before) for event in loop.events
     )
-    # Surfaces are apart below first touch only.
+    # Pull-off is below the approach of first touch, which is zero.
     assert loop.events[-1].kind == "pull-off" and loop.events[-1].value < 0.0
 
 
 def rough_row(work):
-    """A row of rough bodies between corners."""
+    """A periodic scene with JKR adhesion: rough bodies with sharp corners, at zero approach."""
     waves, phase = np.arange(1, 5), np.array([0.3, 2.1, 4.4, 1.2])
     size = 0.01 * waves**-1.5
     profile = contact.Combined(
@@ -204,7 +211,7 @@ def rough_row(work):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("approach", [3e-3, 1e-4, -5e-6])
-def test_the_greatest_contact_under_a_held_approach_is_where_a_path_down_comes_to(approach):
+def test_the_receding_branch_under_a_fixed_approach_is_where_a_path_down_arrives(approach):
     scene = rough_row(1e-7)
     solution = contact.solve(replace(scene, approach=approach), branch="receding")
     path = contact.path(scene, [1.0, approach, -1.0], control="approach")
@@ -213,17 +220,17 @@ def test_the_greatest_contact_under_a_held_approach_is_where_a_path_down_comes_t
         and solution.certificate.holds
     )
     assert solution.pull_off.load == pytest.approx(path.events[-1].load, rel=1e-9)
-    # A body that is pressed down touches.
+    # A body pressed below first touch is in contact, so pull-off is at a negative approach.
     assert path.events[-1].kind == "pull-off" and path.events[-1].value < 0.0
 
 
-def test_an_end_that_comes_to_its_corner_leaves_the_other_one_to_go_on():
+def test_after_one_end_reaches_its_corner_the_other_end_moves_on():
     scene = replace(rough_row(3e-4), approach=-1e-6)
     found = contact.solve(scene)
     assert found.certificate.holds and found.zones[0, 0] > -0.4 * (1 - 1e-9)
 
 
-def test_a_corner_is_no_half_width_since_many_loads_have_it():
+def test_the_half_width_at_the_corners_is_refused_since_many_loads_have_it():
     with pytest.raises(contact.SceneError, match="less than the profile's own"):
         solve(cut(0.3), half_width=0.3)
 

@@ -1,6 +1,4 @@
-"""A law is one class: found by its name, asked by solver and certificate, and refused where it does
-not go with a scene.
-"""
+"""Laws of contact: made by name, used by solver and certificate, and refused by wrong scenes."""
 
 from __future__ import annotations
 
@@ -23,8 +21,9 @@ SCENE = contact.Scene(WAVE, 1.0, contact.Periodic(), mean_pressure=0.01)
 
 @dataclass(frozen=True)
 class Glued(contact.Law):
-    """Ends of a given edge intensity [Pa m^(1/2)], by load and by approach; its own check names
-    ends without it.
+    """A law that prescribes the edge intensity -K [Pa m^(1/2)] of every end.
+
+    Its own check names the edge intensities if they differ from -K.
     """
 
     K: float = 0.0
@@ -54,14 +53,14 @@ def registered():
     Glued.name = "glued"
 
 
-def test_it_is_made_by_name_and_listed(registered):
+def test_a_registered_law_is_made_by_name_and_listed(registered):
     assert contact.law("test-glued", K=1e-3) == Glued(1e-3)
     assert {"frictionless", "test-glued"} <= set(contact.laws())
     with pytest.raises(contact.SceneError, match="did you mean 'frictionless'"):
         contact.law("frictionles")
 
 
-def test_a_scene_file_says_it(registered, tmp_path):
+def test_a_scene_file_names_a_registered_law(registered, tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(
         '[profile]\nshape = "sinusoid"\namplitude = 0.01\nperiod = 1.0\n[material]\nE_star = 1.0\n[interaction]\nmodel = "periodic"\n'
@@ -71,7 +70,7 @@ def test_a_scene_file_says_it(registered, tmp_path):
 
 
 @pytest.mark.parametrize("K", [0.0, 1e-3])
-def test_the_ends_of_the_zones_have_the_intensity_that_it_asks_for(K):
+def test_the_ends_of_the_zones_have_the_intensity_that_the_law_prescribes(K):
     # Johnson (1995): pbar = p* sin^2 A - K sqrt(2 pi tan A / L), with K = sqrt(E* w / pi).
     a = 0.2
     solution = contact.solve(replace(SCENE, mean_pressure=None, half_width=a, law=Glued(K)))
@@ -83,13 +82,13 @@ def test_the_ends_of_the_zones_have_the_intensity_that_it_asks_for(K):
     assert solution.pressure(a - d) * np.sqrt(d) == pytest.approx(-K, rel=1e-4, abs=1e-6)
 
 
-def test_its_own_check_decides_whether_the_certificate_holds():
+def test_the_check_of_the_law_decides_whether_the_certificate_holds():
     broken = type("Broken", (Glued,), {"fault": lambda self, fields, load: "never right"})
     with pytest.raises(contact.ContactError):
         contact.solve(replace(SCENE, mean_pressure=None, half_width=0.2, law=broken(1e-3)))
 
 
-def test_what_it_does_not_admit_is_refused_before_any_arithmetic():
+def test_scenes_that_the_law_does_not_allow_are_refused_before_any_arithmetic():
     with pytest.raises(contact.SceneError, match="the controls of glued are load"):
         replace(SCENE, law=Glued(), mean_pressure=None, approach=1e-3)
     with pytest.raises(contact.SceneError, match="glued is for periodic scenes"):
@@ -108,7 +107,7 @@ def test_what_it_does_not_admit_is_refused_before_any_arithmetic():
 
 
 @pytest.mark.parametrize("wrong", [None, 3, Glued, "frictionless"])
-def test_what_is_no_law_is_refused(wrong):
+def test_a_value_that_is_no_law_is_refused(wrong):
     with pytest.raises(contact.SceneError, match="law = "):
         replace(SCENE, law=wrong)
 

@@ -1,4 +1,4 @@
-"""A layer on a rigid base: its symbol, its kernel, and contacts that are known otherwise."""
+"""A layer on a rigid base: its symbol, its kernel, and contacts against other solutions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ WAVE = contact.Sinusoid(0.1, 1.0)
 
 
 def westergaard(half_width):
-    """Normalised places in the zone, the pressure there on the wave, E* = 1, and its load."""
+    """(Scaled positions in the zone, Westergaard's pressure there for E* = 1, its load)."""
     t = np.linspace(-0.999, 0.999, 33)
     u, A = np.pi * half_width * t, np.pi * half_width
     return (
@@ -31,8 +31,10 @@ def westergaard(half_width):
 
 
 def on_a_layer(layer, half_width):
-    """The profile under which a layer has Westergaard's contact: f - sum 4 (L_n - 1) p_n cos(q_n x)
-    / (E* q_n).
+    """The profile that on a layer has the pressure of Westergaard's contact on a half-plane.
+
+    It is f - sum of 4 (L_n - 1) p_n cos(q_n x)/(E* q_n). Here f is the wave, L_n the symbol at the
+    wave number q_n, and p_n the mean of p cos(q_n x) over the period, with the pressure p.
     """
     n = np.arange(1, int(4 / layer.thickness) + 4)
     angle = (np.arange(4000) + 0.5) * np.pi / 4000 - 0.5 * np.pi
@@ -46,7 +48,8 @@ def on_a_layer(layer, half_width):
 
 class TestSymbol:
     def test_is_that_of_the_layers_equations(self):
-        # From the elastic field of a layer, solved as an ordinary differential equation.
+        # The numbers come from the equations of elasticity in the layer, which for one wave are
+        # ordinary differential equations across the layer.
         s = np.array([0.3, 1.0, 2.5])
         assert contact.Layer(1.0, 0.3).symbol(s) == pytest.approx(
             [0.12313858166, 0.41575179846, 0.86752762805], rel=1e-10
@@ -103,7 +106,7 @@ class TestContact:
         assert np.abs(full.pressure(x) - expected).max() < 1e-12 * full.max_pressure
 
     @pytest.mark.parametrize("thickness", [2.0, 0.2, 0.05])
-    def test_is_the_known_one_of_a_designed_profile(self, base, nu, thickness):
+    def test_is_westergaards_on_a_profile_designed_for_the_layer(self, base, nu, thickness):
         layer, a = contact.Layer(thickness, nu, base), 0.2
         t, pressure, load = westergaard(a)
         solution = solve(on_a_layer(layer, a), PERIODIC, tol=1e-8, substrate=layer, load=load)
@@ -149,7 +152,7 @@ INTERACTIONS = [PERIODIC, ALONE, contact.Localized("self-consistent"), contact.L
 
 
 @pytest.mark.parametrize(("kind", "interaction"), diagonal(KINDS, INTERACTIONS))
-def test_every_control_leads_back(kind, interaction):
+def test_every_control_leads_back_to_the_same_zones(kind, interaction):
     base, nu = kind
     scene = contact.Scene(
         WAVE, 1.0, interaction, substrate=contact.Layer(0.3, nu, base), half_width=0.2
@@ -176,7 +179,7 @@ class TestLimits:
             off.append(np.abs(solution.pressure(x) / expected - 1).max())
         assert off[0] < 0.2 and off[1] < 0.6 * off[0]
 
-    def test_all_periods_of_a_thin_layer_act_as_one(self):
+    def test_on_a_thin_layer_the_periodic_contact_is_the_isolated_one(self):
         scene = contact.Scene(
             WAVE, 1.0, PERIODIC, substrate=contact.Layer(0.02, 0.3), half_width=0.1
         )
@@ -188,7 +191,7 @@ class TestLimits:
         assert one.approach == pytest.approx(alone.approach, rel=1e-11)
         assert one.stiffness == pytest.approx(alone.stiffness, rel=1e-9)
 
-    def test_several_zones_beside_each_other_are_those_of_a_period_that_is_long(self):
+    def test_several_isolated_zones_are_those_of_a_long_period(self):
         layer = contact.Layer(0.1, 0.3)
         alone = solve(contact.Biquadratic(1.0, 0.4), ALONE, tol=1e-9, substrate=layer, load=0.02)
         row = solve(
@@ -216,8 +219,9 @@ class TestLimits:
 def test_a_contact_of_hundreds_of_thicknesses_has_few_unknowns_under_every_control(
     kind, interaction, thickness
 ):
-    """Between layers beside its ends, a thickness wide, the pressure is smooth: its modes grow as
-    the root of the width.
+    """The number of unknowns grows as the square root of the width over the thickness.
+
+    The pressure is smooth except within about one thickness of the ends.
     """
     base, nu = kind
     layer = contact.Layer(thickness, nu, base)
@@ -244,8 +248,9 @@ def test_a_contact_of_hundreds_of_thicknesses_has_few_unknowns_under_every_contr
     ),
 )
 def test_the_ends_on_a_thin_layer_are_found_from_zones_that_are_too_wide(kind, width):
-    """Next to the ends of a zone that is too wide, the edge slopes have the wrong sign. Steps by
-    their natural size would be a hundred times too short.
+    """Next to the ends of a zone that is too wide, the edge slopes have the wrong sign.
+
+    Newton steps with the natural size of the slopes would be a hundred times too short.
     """
     base, nu = kind
     layer = contact.Layer(1e-3, nu, base)
@@ -262,7 +267,7 @@ def test_the_ends_on_a_thin_layer_are_found_from_zones_that_are_too_wide(kind, w
 
 @dataclass(frozen=True)
 class Coth(contact.Substrate):
-    """L = coth(q h): the kernel (pi/2h) coth(pi r/2h)."""
+    """A substrate with the symbol coth(q h); its kernel is (pi/2h) coth(pi r/2h)."""
 
     h: float
     name = "coth"
@@ -273,7 +278,11 @@ class Coth(contact.Substrate):
 
 @dataclass(frozen=True)
 class Cosh(contact.Profile):
-    """(1/2h) PV int p coth(pi (x - xi)/2h) dxi = sinh(2v)/2, v = pi x/2h."""
+    """The profile whose slope is sinh(2v), with v = pi x/2h.
+
+    Its pressure obeys (1/2h) PV int p(xi) coth(pi (x - xi)/2h) dxi = sinh(2v)/2 on the substrate
+    `Coth`, for E* = 1.
+    """
 
     h: float
     symmetric = True
@@ -309,6 +318,6 @@ def test_the_coth_kernel_has_its_closed_form(a):
         ("1", 0.3, "bonded", "thickness"),
     ],
 )
-def test_what_is_no_layer_is_refused(thickness, nu, base, fault):
+def test_wrong_parameters_of_a_layer_are_refused(thickness, nu, base, fault):
     with pytest.raises(contact.SceneError, match=fault):
         contact.Layer(thickness, nu, base)

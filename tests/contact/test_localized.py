@@ -1,6 +1,4 @@
-"""The localization principle: the paper's closures against their closed forms, and the hierarchy of
-explicit neighbours.
-"""
+"""The localization principle: both closures against closed forms, and strips with neighbours."""
 
 from __future__ import annotations
 
@@ -62,14 +60,16 @@ class TestClosedForms:
     @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
     @pytest.mark.parametrize("a", [0.1, 0.3])
     def test_the_gap_is_that_of_the_superposition(self, model, a):
-        # The closed form holds the strip alone: from the zone to the border.
+        # The closed form is valid in the strip only, so x goes from the zone to the border.
         for profile, answer in closed_forms(a, model.closure):
             solution = solve(profile, model, half_width=a)
             x = np.linspace(a, 0.49, 25)
             assert np.max(np.abs(solution.gap(x) - answer.gap(x))) < 1e-9 * np.max(answer.gap(x))
 
     @pytest.mark.parametrize(("a", "tol"), diagonal([0.45, 0.49], [1e-4, 1e-8, 1e-11]))
-    def test_the_stated_error_is_honest_beside_the_border_where_the_term_is_steep(self, a, tol):
+    def test_the_stated_error_bounds_the_true_error_near_the_border_where_the_forcing_is_steep(
+        self, a, tol
+    ):
         for model in MODELS:
             for profile, answer in list(closed_forms(0.3, model.closure))[1:]:
                 answer = exact.LocalizedZone(
@@ -102,11 +102,11 @@ class TestNeighbours:
         [(0, 1.4e-1), (1, 3.8e-3), (2, 8.3e-4), (4, 1.4e-4), (8, 2.1e-5), (16, 2.9e-6)],
     )
     def test_load_errors_of_the_sinusoid_at_four_fifths_of_contact(self, neighbours, figure):
-        # Two digits are given.
+        # The expected errors have two digits.
         assert abs(self.load_error(neighbours, 0.4) / figure - 1) < 0.03
 
     @pytest.mark.parametrize("a", [0.25, 0.4])
-    def test_they_fall_with_the_third_power_of_the_number_of_periods_solved(self, a):
+    def test_load_errors_fall_with_the_third_power_of_the_number_of_periods_solved(self, a):
         m = np.array([1, 2, 4, 8, 16])
         errors = [self.load_error(int(k), a) for k in m]
         rate = np.polyfit(np.log(2 * m + 1), np.log(errors), 1)[0]
@@ -117,9 +117,9 @@ class TestNeighbours:
     def test_one_neighbour_is_good_to_six_per_mille_at_nine_tenths_of_contact(self):
         assert self.load_error(1, 0.45) < 6e-3
 
-    def test_an_asymmetric_shape_comes_nearer_with_the_first_power_only(self):
-        # The load's centre is not the strip's: the uniform pressure beyond the copies acts as if it
-        # were.
+    def test_the_zones_of_an_asymmetric_shape_converge_with_the_first_power_only(self):
+        # The load of an asymmetric zone is not centred in the strip, but the uniform pressure
+        # beyond the neighbours acts as if it were.
         whole = solve(LOPSIDED, PERIODIC, mean_pressure=0.01)
         m = np.array([1, 2, 4, 8, 16])
         strips = [
@@ -133,9 +133,10 @@ class TestNeighbours:
         errors = [np.max(np.abs(strip.zones - whole.zones)) for strip in strips]
         assert abs(np.polyfit(np.log(2 * m[1:] + 1), np.log(errors[1:]), 1)[0] + 1) < 0.1
 
-    def test_the_approach_comes_nearer_with_the_first_power_of_the_periods(self):
-        # Each zone beyond the explicit copies leaves an error of its second moment divided by the
-        # square of its distance.
+    def test_the_approach_converges_with_the_first_power_of_the_number_of_periods(self):
+        # Each zone beyond the neighbours leaves an error proportional to its second moment divided
+        # by the square of its distance. The sum of these errors falls as the reciprocal of the
+        # number of periods.
         whole = exact.Westergaard(0.01, 1.0, 1.0, 0.2)
         m = np.array([2, 4, 8, 16])
         models = [contact.Localized("self-consistent", neighbours=int(k)) for k in m]
@@ -168,7 +169,7 @@ class TestStrips:
 
     @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
     @pytest.mark.parametrize("turn", quick([0.2, 0.5, 0.9], [0.5]))
-    def test_where_the_cell_begins_does_not_count(self, model, turn):
+    def test_a_shift_of_the_profile_changes_neither_widths_nor_approach(self, model, turn):
         def turned(wave, shift):
             k = 2 * np.pi * np.arange(1, 1 + len(wave.cosine)) * shift
             c, s = np.cos(k), np.sin(k)
@@ -182,11 +183,11 @@ class TestStrips:
             assert relative(np.sort(other.zone_widths), np.sort(one.zone_widths)) < 1e-8
             assert abs(other.approach / one.approach - 1) < 1e-8
 
-    def test_the_first_order_closure_takes_the_isolated_load_of_the_same_total_width(self):
+    def test_the_first_order_nominal_pressure_is_below_the_mean_pressure_but_above_half_of_it(self):
         solution = solve(TWO, FIRST, tol=1e-9, mean_pressure=0.004)
         amplitude = solution.fields.problem.amplitude * solution.fields.problem.units.pressure
-        # Any periodic design far from its images is nearly isolated: here the order of magnitude
-        # decides.
+        # The nominal pressure is the isolated load P0 divided by the period, so it is below the
+        # mean pressure. Only its order of magnitude is checked here.
         assert 0.5 * solution.mean_pressure < amplitude < solution.mean_pressure
 
     def test_the_first_order_nominal_pressure_is_that_of_the_isolated_zones_of_the_same_total_width(
@@ -211,10 +212,10 @@ class TestStrips:
             random_scenes.draw(30100).scene,
         ],
     )
-    def test_one_asperity_is_found_by_its_width_in_few_steps_and_keeps_the_formal_load_of_that(
+    def test_one_zone_is_found_by_its_width_in_few_steps_and_has_the_isolated_load_of_this_width(
         self, monkeypatch, scene
     ):
-        # The last one fills all but a fortieth of the period.
+        # In the last scene contact covers all but a fortieth of the period.
         tried, at_width = [], OneZoneClosure._at_width
         monkeypatch.setattr(
             OneZoneClosure,
@@ -232,7 +233,7 @@ class TestStrips:
         )
         assert free.converged and len(zones) == 1 and len(tried) < 20
         assert abs(free.density.total / fields.problem.period / fields.problem.amplitude - 1) < 1e-8
-        # How the nominal pressure follows the load is a part of the stiffness.
+        # The stiffness includes the change of the nominal pressure with the load.
         more = contact.solve(
             replace(scene, load=solution.load * (1 + 1e-5), approach=None, mean_pressure=None)
         )
@@ -244,8 +245,8 @@ class TestStrips:
         whole = solve(answer.profile, PERIODIC, tol=1e-9, load=answer.load)
         for model in MODELS:
             strip = solve(answer.profile, model, tol=1e-9, load=answer.load)
-            # (a/L)^2 is what the neighbours do to first order, and what localization gets wrong is
-            # less.
+            # The neighbours change the width by about (a/L)^2 of itself. The error of localization
+            # is smaller.
             assert relative(strip.zone_widths, whole.zone_widths) < 1e-5
 
 
@@ -263,7 +264,7 @@ class TestLimits:
         with pytest.raises(contact.OutOfRange, match="first-order"):
             solve(WAVE, FIRST, load=1.01 * top)
 
-    def test_no_load_below_it_is_refused(self):
+    def test_no_load_below_the_first_order_maximum_is_refused(self):
         for a in (0.05, 0.2, 0.35, 0.38):
             answer = exact.LocalizedZone(
                 exact.IsolatedSinusoid(0.01, 1.0, 1.0, a), 1.0, "first-order"
@@ -277,8 +278,8 @@ class TestLimits:
             solve(WAVE, SELF, load=1e3)
 
     def test_one_wave_alone_is_out_of_range_once_it_touches_at_the_border_of_its_cell(self):
-        # The valley of the closed form, which knows no border, sinks below the counter-face near a
-        # = 0.3.
+        # The closed form ignores the border of the cell. In it, the gap over the valley becomes
+        # negative near a = 0.3.
         cell = contact.Isolated()
         low, high = (exact.IsolatedSinusoid(0.01, 1.0, 1.0, a) for a in (0.295, 0.31))
         x = np.linspace(0.32, 0.5, 200)
@@ -301,7 +302,7 @@ class TestLimits:
         with pytest.raises(contact.OutOfRange, match=r"border of the strip.*Periodic\(\)"):
             solve(ROUGH, model, load=turns * full)
 
-    def test_beside_neighbours_a_load_grows_as_the_logarithm_of_the_gap_that_its_zone_leaves_at_the_border(
+    def test_with_neighbours_the_load_grows_as_the_logarithm_of_the_gap_at_the_border(
         self, monkeypatch
     ):
         model = contact.Localized("self-consistent", neighbours=1)
@@ -310,15 +311,16 @@ class TestLimits:
         ]
         decade = loads[2] - loads[1]
         assert 0.8 < decade / (loads[1] - loads[0]) < 1.0
-        # A first guess knows of full contact only: the branch from zero load leads on ...
+        # The first guess sees only full contact, so the solver follows the branch from zero load.
         zone = solve(WAVE, model, load=loads[2] + 0.5 * decade, tol=1e-6).zones[0]
         assert 0.5 - np.abs(zone) == pytest.approx(10**-4.5, rel=0.02)
-        # ... and tells at once where the gap would be narrower than modes tell.
+        # A load is refused at once if the gap at the border would be too narrow for the modes. The
+        # search `refine_topology`, which is None here, is not called.
         monkeypatch.setattr(SolveContext, "refine_topology", None)
         with pytest.raises(contact.OutOfRange, match=r"border it nears.*Periodic\(\)"):
             solve(WAVE, model, load=loads[2] + 2.0 * decade)
 
-    def test_a_strip_beside_whose_border_a_zone_comes_and_goes_is_refused_by_name(self):
+    def test_a_strip_at_whose_border_a_zone_appears_and_vanishes_is_refused_by_name(self):
         full = solve(ROUGH, PERIODIC, contact_fraction=1.0).load
         with pytest.raises(contact.OutOfRange, match=r"comes or goes.*Periodic\(\)"):
             solve(ROUGH, SELF, load=0.85 * full)
@@ -326,14 +328,16 @@ class TestLimits:
 
 class TestSelfConsistentStrip:
     def test_a_centre_beside_the_widest_gap_is_refused_by_name(self):
-        # The one that stays is cut at another gap, which no step from the widest one leads to.
+        # A strip centred on its zones has its borders in another gap, which no step from the widest
+        # gap reaches.
         wave = Swinging(1.3357133912296777, 0.6150541064175756, 0.0)
         with pytest.raises(contact.OutOfRange, match=r"no strip is centred.*Periodic\(\)"):
             solve(wave, SELF, mean_pressure=0.00363165122206578)
 
     @pytest.mark.parametrize("part", quick([0.3, 0.6], [0.6]))
     def test_its_nominal_pressure_is_resolved_up_to_the_border(self, part):
-        # Under a load it is known: series of a column would be cut short so near to the border.
+        # Under a given load the nominal pressure is known. As an unknown it would need one more
+        # column of the linear system, whose series would be truncated too early near the border.
         body = drawn(np.random.default_rng(4), "texture", 60)
         full = contact.solve(contact.Scene(body, 1e9, PERIODIC, contact_fraction=1.0)).mean_pressure
         scene = contact.Scene(body, 1e9, SELF, mean_pressure=part * full)
@@ -350,15 +354,17 @@ class TestSelfConsistentStrip:
 
 
 class TestNearFullContact:
-    def test_a_strip_whose_zones_jump_past_its_centre_is_refused_with_just_that(self):
+    def test_a_strip_whose_zones_jump_past_its_centre_is_refused_with_this_reason(self):
         full = solve(TWO, PERIODIC, contact_fraction=1.0).mean_pressure
         with pytest.raises(contact.OutOfRange, match="comes or goes"):
             solve(TWO, FIRST, mean_pressure=0.9 * full)
 
 
 def alone_on_a_grid(solution, points, tol):
-    """Width of the contact of its profile alone, about the same centre, under the nominal pressure;
-    a cell; the number of zones.
+    """(Contact width, width of a grid cell, number of zones) of the strip's profile if isolated.
+
+    The grid solution has the centre of the strip, and its load is the nominal pressure times the
+    period.
     """
     problem = solution.fields.problem
     units = problem.units
@@ -375,13 +381,13 @@ def alone_on_a_grid(solution, points, tol):
 
 
 class TestFirstOrderSearch:
-    """Scenes drawn at random at which the search for the nominal pressure went wrong."""
+    """Random scenes in which the search for the nominal pressure once failed."""
 
     @pytest.mark.parametrize(
         "seed, tighter",
         quick([(12601, 1e-11), (12805, 1e-12), (24907, 1e-10)], [(12601, 1e-11), (12805, 1e-12)]),
     )
-    def test_the_stated_error_covers_what_the_nominal_pressure_is_off(self, seed, tighter):
+    def test_the_stated_error_covers_the_error_of_the_nominal_pressure(self, seed, tighter):
         scene = random_scenes.draw(seed).scene
         solution, tight = (contact.solve(scene, tol) for tol in (1e-8, tighter))
         off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones, axis=1)
@@ -408,7 +414,7 @@ class TestFirstOrderSearch:
         assert abs(width - solution.zone_widths.sum()) < 4 * cell
 
     @pytest.mark.parametrize("seed", [11899, pytest.param(70530, marks=pytest.mark.slow)])
-    def test_zones_of_the_profile_alone_that_come_and_go_beside_the_root_are_put_in_a_bracket(
+    def test_the_root_is_bracketed_if_zones_of_the_isolated_profile_appear_or_vanish_near_it(
         self, seed
     ):
         solution = contact.solve(random_scenes.draw(seed).scene)
@@ -416,7 +422,7 @@ class TestFirstOrderSearch:
         width, cell, zones = alone_on_a_grid(solution, 2**16, 1e-8)
         assert abs(width - solution.zone_widths.sum()) < 4 * cell * zones
 
-    def test_a_light_load_is_on_the_summit_that_is_highest_not_on_that_of_a_coarse_grid(self):
+    def test_a_light_load_is_on_the_highest_summit_not_on_that_of_a_coarse_grid(self):
         solution = contact.solve(random_scenes.draw(70548).scene)
         periodic = contact.solve(
             contact.Scene(
@@ -428,15 +434,15 @@ class TestFirstOrderSearch:
             and relative(solution.zone_widths, periodic.zone_widths) < 1e-5
         )
 
-    def test_a_flat_summit_of_almost_fixed_width_tells_no_nominal_pressure(self):
+    def test_a_flat_summit_of_almost_fixed_width_determines_no_nominal_pressure(self):
         with pytest.raises(
             contact.OutOfRange,
             match="from corner to corner, where every isolated load has their width",
         ):
             contact.solve(random_scenes.draw(11018).scene)
 
-    def test_a_profile_alone_that_presses_at_its_border_is_given_a_zone_there(self):
-        """As wide as the overlap such a zone would shrink away: it is a tenth of that."""
+    def test_an_isolated_profile_that_overlaps_at_its_border_gets_a_zone_there(self):
+        """A new zone as wide as the overlap would vanish, so it gets a tenth of this width."""
         rng = np.random.default_rng([91, 102])
         rng.integers(0, 13), rng.integers(30, 300), rng.random()
         drawn_one = drawn(rng, "spikes", 39)
@@ -453,7 +459,7 @@ class TestFirstOrderSearch:
         assert len(one.zones) == len(other.zones) == 10
         assert np.abs(np.sort(one.zone_loads) - np.sort(other.zone_loads)).max() < 1e-9 * one.load
 
-    def test_a_strip_is_solved_whose_profile_alone_touches_up_to_the_borders(self):
+    def test_a_strip_is_solved_if_its_isolated_profile_touches_up_to_the_borders(self):
         solution = contact.solve(random_scenes.draw(11348).scene)
         assert solution.certificate.holds and len(solution.zones) > 1 and solution.error <= 1e-8
 
@@ -473,7 +479,7 @@ class TestFirstOrderSearch:
 
 
 def trace(points, positions):
-    """A rough one, and its smallest mean pressure of full contact."""
+    """(A rough trace, its smallest mean pressure of full contact)."""
     profile = drawn(np.random.default_rng(6), "rough", points, positions)
     return profile, contact.solve(
         contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)
@@ -481,7 +487,7 @@ def trace(points, positions):
 
 
 class Swinging(contact.Profile):
-    """A wave whose length swings, from some place on."""
+    """A wave whose phase is modulated by another wave; `shift` moves it along x."""
 
     period, x0 = 1.0, -0.5
 
@@ -507,7 +513,7 @@ class TestFirstOrderOfSeveralZones:
         )
         alone = solve(cell, contact.Isolated(), tol=1e-10, load=nominal)
         assert abs(alone.zone_widths.sum() / solution.zone_widths.sum() - 1) < 1e-8
-        assert abs(alone.zones.mean()) > 1e-3  # and has zones of its own
+        assert abs(alone.zones.mean()) > 1e-3  # the zones of the strip are centred at zero
 
     @pytest.mark.parametrize("positions", quick(["even", "uneven"], ["uneven"]))
     def test_a_trace_is_solved_whatever_its_positions(self, positions):
@@ -537,7 +543,9 @@ class TestFirstOrderOfSeveralZones:
         )
         assert len(alone.zones) == 2 and 0 < alone.zones[1, 0] - alone.zones[0, 1] < 0.01
 
-    def test_a_narrow_zone_of_it_at_the_border_of_the_strip_moves_with_that(self):
+    def test_a_narrow_zone_of_the_isolated_profile_at_the_border_of_the_strip_moves_with_the_border(
+        self,
+    ):
         wave = Swinging(1.15730771101453433, 0.010071341890631746, 0.0)
         assert len(solve(wave, FIRST, mean_pressure=4.44679e-3).zones) == 1
 
@@ -564,7 +572,7 @@ class TestFirstOrderOfSeveralZones:
             ),
         ],
     )
-    def test_the_stiffness_follows_the_profile_alone_too_where_it_is_cut_off_at_the_borders(
+    def test_the_stiffness_is_right_if_the_isolated_profile_is_cut_off_at_the_borders_too(
         self, cosine, sine, load
     ):
         profile, step = contact.Fourier(1.0, cosine, sine), 2e-4 * load
@@ -575,11 +583,11 @@ class TestFirstOrderOfSeveralZones:
         by_difference = 2 * step / (at[2].approach - at[0].approach)
         assert abs(at[1].stiffness / by_difference - 1) < 1e-4
 
-    # Honed: 28 knots within a gap beat with 128, 256 and 512 modes, which was taken for rounding:
-    # 2.6e-7.
+    # In the honed trace, 28 evenly spaced knots in a gap interfere with series of 128, 256 and 512
+    # modes. The truncation error of 2.6e-7 was once taken for round-off.
     @pytest.mark.slow
     @pytest.mark.parametrize(("seed", "kind", "spacing", "part"), [([7, 2], "honed", "even", 0.1)])
-    def test_no_series_is_cut_short(self, seed, kind, spacing, part):
+    def test_no_series_is_truncated_too_early(self, seed, kind, spacing, part):
         profile = drawn(np.random.default_rng(seed), kind, 2000, spacing)
         full = contact.solve(
             contact.Scene(profile, 1e9, PERIODIC, contact_fraction=1.0), tol=1e-6
@@ -597,23 +605,23 @@ def test_zones_of_a_body_between_corners_lie_between_those_of_its_own_period(see
     assert np.abs(solution.zones - corners.mean()).max() <= 0.5 * np.ptp(corners) * (1 + 1e-12)
 
 
-def test_the_profile_alone_ends_at_its_corners_as_in_the_strip():
-    # Pressed so little that the nominal pressure does nothing: the strip and its profile alone are
-    # the same contact at the corner.
+def test_under_a_small_load_the_zone_at_a_corner_is_that_of_the_periodic_contact():
+    # The load is so small that the nominal pressure has no effect. So the contact at the corner is
+    # the same in the strip as in the periodic model.
     solution = contact.solve(random_scenes.draw(21479).scene)
     alone = contact.solve(replace(solution.scene, interaction=contact.Periodic()))
     assert relative(solution.zone_widths, alone.zone_widths) < 1e-6
 
 
 @pytest.mark.slow
-def test_an_approach_at_which_grids_see_no_contact_is_that_of_a_load():
+def test_a_scene_is_solved_at_an_approach_at_which_grids_find_no_contact():
     scene = random_scenes.draw(21455).scene
     solution = contact.solve(scene)
     assert solution.error <= 1e-8 and relative(solution.approach, scene.control[1]) < 1e-6
 
 
 class TestBetweenCorners:
-    """A flat body on a wave with ripples, its own mirror image, under the first-order closure."""
+    """A symmetric body between sharp corners, with a wave and ripples; first-order closure."""
 
     FACES = contact.Combined(
         contact.Flat(0.6, period=1.0), contact.Fourier(1.0, -np.r_[0.004, np.zeros(8), 1e-4])
@@ -633,7 +641,7 @@ class TestBetweenCorners:
             abs((high.load - low.load) / (high.approach - low.approach) / here.stiffness - 1) < 1e-7
         )
 
-    def test_zones_from_corner_to_corner_tell_no_nominal_pressure(self):
+    def test_zones_from_corner_to_corner_determine_no_nominal_pressure(self):
         with pytest.raises(
             contact.OutOfRange,
             match="from corner to corner, where every isolated load has their width",

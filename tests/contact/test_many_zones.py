@@ -1,6 +1,4 @@
-"""Many zones: by fast sums as by a matrix, equal zones that stay equal, and work that grows with
-the zones and no faster.
-"""
+"""Many zones: fast sums against a matrix, equal zones, and the work of the iterations."""
 
 from dataclasses import replace
 
@@ -24,7 +22,7 @@ T = np.array([-0.99, -0.6, 0.0, 0.4, 0.95])
 
 
 def rough(kmax, seed=1):
-    """Self-affine: Hurst 0.8, harmonics 4 ... kmax, rms slope 0.1."""
+    """A periodic self-affine scene: Hurst exponent 0.8, harmonics 4 to kmax, rms slope 0.1."""
     k = np.arange(4, kmax + 1)
     phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(k))
     amplitude = k**-1.3
@@ -37,7 +35,7 @@ def rough(kmax, seed=1):
 
 
 def solve(scene, monkeypatch, unknowns, tol=1e-9):
-    """With a matrix up to a number of unknowns."""
+    """The solution, with fast sums from `unknowns` unknowns on and with a matrix below."""
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=unknowns))
     return contact.solve(scene, tol=tol)
 
@@ -59,7 +57,7 @@ def test_fast_sums_give_what_a_matrix_gives(monkeypatch):
 
 @pytest.mark.parametrize("zones", [64, 301])
 def test_equal_waves_in_one_period_are_each_the_wave_alone(zones):
-    """Harmonic number `zones` alone: rounding must not make one zone differ from the next."""
+    """The profile has one harmonic, so all zones are equal; round-off must not make them differ."""
     cosine = np.zeros(zones)
     cosine[-1] = -1e-3 / zones
     truth = Westergaard(
@@ -80,7 +78,11 @@ def test_equal_waves_in_one_period_are_each_the_wave_alone(zones):
 
 
 def test_iterations_do_not_grow_with_the_zones(monkeypatch):
-    """GMRES with a coarse problem for the zones' loads: what is left couples neighbours only."""
+    """The coarse problem of GMRES solves for the loads of the zones.
+
+    The rest of the interaction couples neighbours only. So the number of iterations does not grow
+    with the number of zones.
+    """
     steps, counts = [], []
     original = Iterative.__call__
 
@@ -95,13 +97,13 @@ def test_iterations_do_not_grow_with_the_zones(monkeypatch):
     for kmax in (400, 3200):
         steps.clear()
         counts.append(len(solve(rough(kmax), monkeypatch, 10, 1e-8).zones))
-        # From nothing, to the same tolerance.
+        # The first solution starts from zero; its tolerance is the same for both scenes.
         first.append(steps[0])
     assert counts[1] > 4 * counts[0]
     assert first[1] <= 1.3 * first[0] + 2
 
 
-def test_a_harmonic_left_out_is_seen(monkeypatch):
+def test_the_highest_harmonic_changes_the_solution(monkeypatch):
     whole = solve(rough(300), monkeypatch, 10)
     less = contact.Fourier(1.0, whole.scene.profile.cosine[:-1], whole.scene.profile.sine[:-1])
     part = contact.solve(
@@ -111,8 +113,9 @@ def test_a_harmonic_left_out_is_seen(monkeypatch):
 
 
 def test_long_sums_are_exact_at_the_place_given():
-    """Slopes of 5,000 harmonics vary over a ten thousandth of the period: x / L rounded would show
-    in the twelfth digit.
+    """The slopes of 5,000 harmonics vary over a ten thousandth of the period.
+
+    A rounded x/L would cause errors in the twelfth digit.
     """
     rng, count, period = np.random.default_rng(4), 5000, 0.3
     k = np.arange(1, count + 1)
@@ -144,7 +147,10 @@ def test_long_sums_are_exact_at_the_place_given():
 
 
 def test_narrow_gaps_among_many_zones_cost_the_iteration_nothing(monkeypatch):
-    """Holes are part of the rows: the same zones, and no more iterations than without any."""
+    """With slits (narrow gaps inside wide zones) the zones are the same as without.
+
+    The slits are part of the rows of the system, so the number of iterations hardly grows.
+    """
     scene = rough(1200)
     with_slits = solve(scene, monkeypatch, 10, 1e-8)
     monkeypatch.setattr(cuts, "OPTIONS", replace(cuts.OPTIONS, max_gap=0.0))
@@ -160,8 +166,13 @@ def test_narrow_gaps_among_many_zones_cost_the_iteration_nothing(monkeypatch):
     assert counts[0] <= 1.3 * counts[1]
 
 
-def test_by_iteration_a_total_width_takes_hardly_more_than_a_total(monkeypatch):
-    """The width asks for the response to the load too, but no more exactly than a step needs it."""
+def test_a_given_total_width_takes_less_than_three_times_the_iterations_of_a_given_load(
+    monkeypatch,
+):
+    """A given total width also needs the response of the density to the load.
+
+    This response is computed only as accurately as a Newton step needs it.
+    """
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
     solution, profile = contact.solve(scene, tol=1e-10), scene.profile
@@ -189,8 +200,8 @@ def test_by_iteration_a_total_width_takes_hardly_more_than_a_total(monkeypatch):
     assert counts[1] < 3 * counts[0], counts
 
 
-def test_first_steps_take_rough_sums_and_what_is_found_does_not(monkeypatch):
-    """Each solution of the search, and whether all of its sums were rough."""
+def test_the_first_steps_use_rough_sums_and_the_final_solution_does_not(monkeypatch):
+    """Rough sums are allowed at first; after the first system with accurate sums, none is rough."""
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     seen, summed = [], IterativeSystem.applied
 
@@ -205,7 +216,7 @@ def test_first_steps_take_rough_sums_and_what_is_found_does_not(monkeypatch):
 
 
 def solved_with_its_equation(tol):
-    """A rough contact in units of E*/2, and what the engine is asked for it."""
+    """(Solution of a rough contact with E*/2 = 1, its equation for the engine `sie`)."""
     scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
     solution, profile = contact.solve(scene, tol=tol), scene.profile
     forcing = sie.Forcing(profile.slope, profile.height, resolution=sie.Resolution(length=1 / 400))
@@ -214,8 +225,8 @@ def solved_with_its_equation(tol):
     )
 
 
-def test_ends_that_are_known_well_are_solved_for_tightly_at_once(monkeypatch):
-    """With what they are off by told, one solution fewer."""
+def test_ends_that_are_known_well_are_found_accurately_at_once(monkeypatch):
+    """If the small error of the first ends is given, Newton's method needs fewer steps."""
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     solution, equation = solved_with_its_equation(1e-10)
     start = sie.Zones.of(solution.zones + 1e-6 * np.diff(solution.zones) * np.array([0.4, -0.7]))
@@ -231,7 +242,7 @@ def test_ends_that_are_known_well_are_solved_for_tightly_at_once(monkeypatch):
     )
 
 
-def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
+def test_a_profile_with_very_many_features_has_a_grid_half_as_fine_per_feature(monkeypatch):
     sizes = []
 
     def sized(f, influence, **asked):
@@ -255,8 +266,8 @@ def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
 
 
 @pytest.mark.parametrize("lacking", quick([[3, 9, 17, 25], [3]], [[3, 9, 17, 25]]))
-def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(monkeypatch, lacking):
-    """Where the first zones are not those of the solution, no tight solution is made on them."""
+def test_the_search_with_very_many_zones_begins_with_rough_ends(monkeypatch, lacking):
+    """While zones are missing, the ends are found with the rough tolerance only."""
     monkeypatch.setattr(loop, "ROUGH", loop.RoughRoundOptions(min_intervals=20))
     proposed, asked = guesses.proposed, []
 
@@ -284,9 +295,11 @@ def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(mo
     )
 
 
-def test_ends_with_what_their_places_cut_off_are_those_of_the_roughness_moved_by_a_quarter():
-    """A quarter turns the harmonics exactly: zones are the same to more digits than their places
-    have.
+def test_ends_and_their_remainders_move_with_a_profile_shifted_by_a_quarter_period():
+    """A shift by a quarter of the period multiplies the harmonics by exact factors.
+
+    So the zones agree to more digits than their positions have as single numbers; the remainders
+    hold the further digits.
     """
     scene = rough(1200)
     profile = scene.profile
@@ -307,8 +320,11 @@ def test_ends_with_what_their_places_cut_off_are_those_of_the_roughness_moved_by
     )
 
 
-def test_a_finer_grid_begins_without_the_cells_beyond_an_end():
-    """Those that the square root law does not reach: half a wave in contact keeps its width."""
+def test_a_refined_grid_has_no_pressure_in_cells_beyond_an_end():
+    """The square-root law of the pressure locates the ends.
+
+    New cells outside these ends have no pressure, so the contact keeps its width.
+    """
     counts = []
     for n in (256, 512):
         x = (np.arange(n) + 0.5) / n
@@ -320,8 +336,8 @@ def test_a_finer_grid_begins_without_the_cells_beyond_an_end():
     assert finer.sum() / 2 == pytest.approx(p.sum() / 2, rel=0.01)
 
 
-def test_a_first_look_waits_for_no_more_than_three_steps(monkeypatch):
-    """Ends that take longer are told by the signs."""
+def test_a_rough_search_for_the_ends_takes_at_most_three_steps(monkeypatch):
+    """The check of the signs corrects the ends that have not converged by then."""
     monkeypatch.setattr(loop, "ROUGH", loop.RoughRoundOptions(min_intervals=20))
     looks, original = [], sie.find_ends
 
@@ -335,8 +351,8 @@ def test_a_first_look_waits_for_no_more_than_three_steps(monkeypatch):
     assert loose and max(loose) <= 3
 
 
-def test_a_search_goes_on_from_what_the_last_one_has_left(monkeypatch):
-    """On about the same zones half as many iterations are enough."""
+def test_a_search_can_start_from_the_modes_of_the_last_search(monkeypatch):
+    """On nearly the same zones, a start from the last solution saves over 40 % of the iterations."""
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     solution, equation = solved_with_its_equation(1e-8)
     beside = sie.Zones.of(solution.zones + 1e-5 * np.diff(solution.zones) * np.array([0.4, -0.7]))

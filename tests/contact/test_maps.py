@@ -1,4 +1,4 @@
-"""Lines of maps: a map is the same trace however its file gives it."""
+"""Lines of a map of heights: all file formats give the same trace."""
 
 import io
 
@@ -20,7 +20,7 @@ LINES = [
 
 
 def text(rows, header="x [um]; y [um]; z [nm]", delimiter=";"):
-    """A stream of text with these rows."""
+    """A text stream with a header and these rows."""
     stream = io.StringIO()
     np.savetxt(stream, rows, fmt="%.15g", delimiter=delimiter, header=header, comments="")
     return io.StringIO(stream.getvalue())
@@ -37,7 +37,7 @@ def netcdf(tmp_path):
 
 @pytest.mark.parametrize(("place", "x", "z"), LINES)
 @pytest.mark.parametrize("rows", [ROWS, SHUFFLED], ids=["sorted", "shuffled"])
-def test_a_map_of_text_has_the_lines_of_its_points(place, x, z, rows):
+def test_a_line_of_a_text_map_is_the_trace_of_its_points(place, x, z, rows):
     trace = contact.read_trace(text(rows), **place)
     if x is None:
         assert np.ptp(trace.x) == pytest.approx(12e-6, rel=1e-12)
@@ -53,7 +53,7 @@ def test_text_and_netcdf_give_the_same_trace(place, tmp_path):
     assert written.heights == pytest.approx(saved.heights, rel=1e-9, abs=1e-18)
 
 
-def test_points_that_a_map_leaves_out_are_not_measured():
+def test_missing_points_of_a_map_count_as_not_measured():
     rows = np.delete(ROWS, [3 + 4 * NY, 3 + 5 * NY], axis=0)
     with pytest.raises(contact.SceneError, match="fill"):
         contact.read_trace(text(rows), line=3)
@@ -83,13 +83,13 @@ def moved(row, by):
         (np.column_stack([ROWS, ROWS[:, 2]]), {"line": 0}, r"x, y and the heights"),
     ],
 )
-def test_what_is_no_map_says_why(rows, keys, said):
+def test_wrong_maps_and_keys_are_refused_with_the_reason(rows, keys, said):
     header = "" if rows.shape[1] == 4 else "x [um]; y [um]; z [nm]"
     with pytest.raises(contact.SceneError, match=said):
         contact.read_trace(text(rows, header), **keys)
 
 
-def test_the_spreadsheet_of_a_roughness_tester(tmp_path):
+def test_the_spreadsheet_of_a_roughness_tester_is_read(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     pytest.importorskip("SurfaceTopography")
     book = openpyxl.Workbook()

@@ -1,6 +1,4 @@
-"""Reading measured traces: the stylus file as it came from the instrument, and every way a file can
-be bad.
-"""
+"""Reading measured traces: a stylus file as its instrument wrote it, other layouts, bad files."""
 
 from __future__ import annotations
 
@@ -21,7 +19,7 @@ STYLUS = Path(__file__).parents[2] / "examples" / "data" / "stylus-profile.csv"
 def read_columns(
     path: Path, columns: tuple[int | str, ...] = (), units: str | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position and height [m] of a text file, and the line of each."""
+    """(Positions [m], heights [m], line number of each point) from a text file."""
     table = read_table(path, columns)
     values, _ = in_metres(path, table, units)
     x, height, lines, _ = in_order(path, values[:, 0], values[:, 1], table.lines)
@@ -55,8 +53,8 @@ def test_the_stylus_profile_has_the_stated_roughness_and_spikes() -> None:
 def test_rounded_positions_are_recognised_and_the_pitch_behind_them_found() -> None:
     trace = load_trace(STYLUS, units="um", regrid=True)
     pitch = np.diff(trace.x)
-    # 1500 um in 9600 steps; a fit through n positions rounded to q is good to about q/n^1.5 of the
-    # pitch.
+    # The pitch is 1500 um / 9600. If n positions are rounded to a step q, a fitted line gives the
+    # pitch with an error of about q/n^1.5.
     assert np.mean(pitch) == pytest.approx(1500e-6 / 9600, rel=1e-6)
     assert np.ptp(pitch) < 1e-12 * 1e-3
     assert any("rounding" in said for said in trace.history)
@@ -199,8 +197,8 @@ def test_a_taper_leaves_the_middle_alone_and_makes_the_ends_meet() -> None:
     inside = (x > 0.1) & (x < 0.9)
     assert np.allclose(t[inside], h[inside], rtol=0, atol=1e-15)
     assert t[0] == t[-1]
-    # The blend begins as (pi s)^2/4, s the distance over a tenth of the length: 6e-5 of the offset
-    # one point in.
+    # The blend begins as (pi s)^2/4, where s is the distance from the end divided by a tenth of the
+    # length. One point from the end, the blend is 6e-5 of the offset.
     assert abs(t[1] - t[0]) == pytest.approx((np.pi * 0.005) ** 2 / 4 * abs(h[1] - t[0]), rel=1e-4)
 
 
