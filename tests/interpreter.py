@@ -1,4 +1,4 @@
-"""What a fresh interpreter has loaded."""
+"""Lists the modules that a fresh interpreter has loaded."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 @cache
 def loaded_after_each(*steps: str) -> list[set[str]]:
-    """Names of all modules after each of the steps, which one interpreter does in their order."""
+    """Returns the loaded modules' names after each step; one interpreter runs the steps in order."""
     code = "import sys\n" + "".join(f"{step}\nprint(*sys.modules)\n" for step in steps)
     run = subprocess.run(
         [sys.executable, "-c", code],

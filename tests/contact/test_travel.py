@@ -1,5 +1,5 @@
-"""Solutions, plans and errors pickle and copy: the same numbers bit for bit, here and in another
-process, and no more than is needed.
+"""Solutions, plans and errors can be pickled and copied. The copies have bitwise the same
+numbers, also in another process. A pickle holds no cached results.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def solution(request):
 
 
 def numbers_of(solution):
-    """All that it says, as bytes."""
+    """Returns the fields at some positions and all numbers of a solution, as bytes."""
     rng = np.random.default_rng(0)
     zones = solution.zones if len(solution.zones) else np.array([[-0.5, 0.5]])
     x = rng.uniform(zones[0, 0] - 0.3, zones[-1, 1] + 0.3, 40)
@@ -90,7 +90,7 @@ def numbers_of(solution):
     return b"".join(values.tobytes() for values in told)
 
 
-def test_a_solution_comes_back_bit_for_bit(solution):
+def test_copies_of_a_solution_are_bitwise_equal(solution):
     before = pickle.dumps(solution)
     for again in (
         pickle.loads(before),
@@ -106,15 +106,15 @@ def test_a_solution_comes_back_bit_for_bit(solution):
         assert again.scene == solution.scene
 
 
-def test_what_has_been_worked_out_does_not_travel(solution):
+def test_cached_results_are_not_pickled(solution):
     fresh = len(pickle.dumps(solution))
     numbers_of(solution)
     assert len(pickle.dumps(solution)) <= fresh + 64
 
 
-def test_a_solution_weighs_what_it_holds(solution):
-    # Its modes, ends and jumps: of each zone both ends at every step of the search, too. The rest
-    # is names.
+def test_the_size_of_a_pickle_is_bounded_by_its_count_of_numbers(solution):
+    # The numbers of a solution are its modes, its jumps and its zone ends, which are kept for
+    # every step of the search, too. Names take the rest, at most 6000 bytes.
     held = solution.plan.counts.get("own_modes", 0) + 2 * len(solution.zones) * (
         4 + len(solution.trace)
     )
@@ -132,7 +132,8 @@ def refused(scene):
     return contact.solve(scene, tol=1e-13)
 
 
-# The approach of a gap of a millionth of the period: its last digit is a different load.
+# At this approach the gap is a millionth of the period. A change of the last digit of the
+# approach changes the load by more than the tolerance.
 SHALLOW = contact.Scene(
     contact.Wedge(0.1, 1.0),
     1e9,
@@ -148,14 +149,14 @@ def test_solutions_and_errors_come_back_from_other_processes():
         for name in names:
             found, told = pool.submit(solved_and_told, SCENES[name]).result()
             assert numbers_of(found) == told
-            # Sent there and back.
+            # The solution is also sent back to the other process.
             assert pool.submit(numbers_of, found).result() == told
         with pytest.raises(contact.NotConverged) as failure:
             pool.submit(refused, SHALLOW).result()
     assert failure.value.best.zones.shape == (1, 2) and failure.value.trace
 
 
-def test_errors_keep_what_they_carry():
+def test_pickled_errors_keep_their_attributes():
     with pytest.raises(contact.NotConverged) as failure:
         contact.solve(SHALLOW)
     error = failure.value
@@ -175,7 +176,7 @@ def test_errors_keep_what_they_carry():
         )
 
 
-def test_plans_and_paths_travel():
+def test_plans_and_paths_can_be_pickled():
     plan = contact.plan(SCENES["wave"])
     assert str(pickle.loads(pickle.dumps(plan))) == str(copy.deepcopy(plan)) == str(plan)
     path = contact.path(SCENES["wave"], [1e-4, 5e-4])
@@ -183,7 +184,7 @@ def test_plans_and_paths_travel():
     assert [numbers_of(s) for s in again.solutions] == [numbers_of(s) for s in path.solutions]
 
 
-def test_a_solution_from_elsewhere_is_a_first_guess():
+def test_a_pickled_solution_serves_as_a_first_guess():
     first = contact.solve(SCENES["trace"])
     scene = contact.Scene(ROUGH, 1.0, PERIODIC, mean_pressure=2.02e-3)
     near, far = (
@@ -201,7 +202,7 @@ def test_a_solution_from_elsewhere_is_a_first_guess():
         sie.images(3.0, 2),
     ],
 )
-def test_kernels_and_densities_of_the_engine_travel(kernel):
+def test_kernels_and_densities_of_the_engine_can_be_pickled(kernel):
     zones = sie.Zones.of([[-0.6, 0.2], [0.5, 0.9]])
     equation = sie.Equation(
         sie.hilbert(3.0), sie.Forcing(np.sin), (sie.Total(1.0), sie.moment(0.1))
@@ -220,7 +221,7 @@ def test_kernels_and_densities_of_the_engine_travel(kernel):
     assert pickle.loads(pickle.dumps(kernel)) == kernel
 
 
-def test_round_spots_travel():
+def test_round_spots_can_be_pickled():
     for lattice, rings in ((None, 0), (axisymmetric.Square(1.0), 2)):
         spot = axisymmetric.solve_spot(
             axisymmetric.PowerLaw(1.0, 3.0), 1.0, lattice, load=1e-3, rings=rings

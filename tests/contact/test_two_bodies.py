@@ -1,5 +1,5 @@
-"""Two rough bodies: their gap is the sum of their heights, whichever is called the counter body,
-wherever and however it stands.
+"""Two rough bodies. Their gap is the sum of their heights, whichever one is called the counter
+body, and whether the counter body is shifted or mirrored.
 """
 
 from __future__ import annotations
@@ -75,7 +75,8 @@ def test_two_waves_of_one_period_are_one_wave(
         assert getattr(pair, name)(x) == pytest.approx(
             getattr(one, name)(x), abs=1e-12 * 2 * np.pi / L * size
         )
-    # Westergaard: pbar = pi E* Delta/L sin^2(pi fraction/2), of the wave that both are.
+    # Westergaard: pbar = pi E* Delta/L sin^2(pi fraction/2), where Delta is the amplitude of the
+    # sum of the two waves.
     exact = np.pi * E * 1e-6 * abs(wave) / L * np.sin(0.5 * np.pi * fraction) ** 2
     assert solved(pair, contact_fraction=fraction).mean_pressure == pytest.approx(exact, rel=1e-9)
     assert not solved(pair, contact_fraction=fraction).mean_pressure == pytest.approx(
@@ -99,8 +100,8 @@ def test_whichever_is_called_the_counter_body_the_contact_is_the_same(
         solved(Combined(counter, TRACE, back, mirrored)),
     )
     assert other.load == pytest.approx(one.load, rel=1e-8)
-    # Places of the second count from where the counter body of the first stands, against its
-    # direction where that is mirrored.
+    # Positions of the second pair are measured from the counter body of the first pair. They
+    # increase in the opposite direction if this counter body is mirrored.
     there = shift - other.zones[:, ::-1] if mirrored else shift + other.zones
     middle, width = there.mean(axis=1) % L, np.diff(there).ravel()
     order = np.argsort(middle)
@@ -168,7 +169,7 @@ def test_a_flat_on_a_wave_is_a_punch_that_ends_there() -> None:
         assert other.zones + 0.1 * L == pytest.approx(one.zones, abs=1e-9 * L)
 
 
-def test_what_turns_a_trace_round_twice_leaves_it_as_it_is() -> None:
+def test_mirroring_a_reversed_trace_restores_it() -> None:
     back = Sampled(-TRACE.x[::-1], TRACE.heights[::-1], period=L)
     one, other = Combined(PIECE, TRACE, 1e-4), Combined(PIECE, back, 1e-4, mirrored=True)
     x = np.linspace(*one.extent, 211)
@@ -180,10 +181,10 @@ def test_what_turns_a_trace_round_twice_leaves_it_as_it_is() -> None:
     assert other.jumps[:, 2] != pytest.approx(-one.jumps[:, 2], rel=1e-9)
 
 
-def test_corners_of_one_body_at_both_places_are_added() -> None:
+def test_kinks_and_jumps_of_both_bodies_at_one_place_are_added() -> None:
     wedge = Wedge(0.02, L)
     assert Combined(wedge, wedge).kinks == pytest.approx(np.array([[-0.5 * L, -0.08], [0.0, 0.08]]))
-    # A tip on a valley is level, but for rounding.
+    # The tip of one wedge lies on the valley of the other. Their kinks cancel within round-off.
     assert len(Combined(wedge, wedge, 0.5 * L).kinks) == 0
     assert len(Combined(wedge, wedge, 0.3 * L).kinks) == 4
     assert (
@@ -192,7 +193,7 @@ def test_corners_of_one_body_at_both_places_are_added() -> None:
     )
 
 
-def test_an_asperity_on_a_rough_face_knows_as_much_of_it_as_it_can_reach() -> None:
+def test_an_asperity_on_a_trace_has_a_finite_extent_and_on_a_wave_has_none() -> None:
     pair = Combined(Parabola(1.0), TRACE, 1e-4)
     assert pair.period is None and pair.extent is not None
     assert check_profile(
@@ -204,7 +205,7 @@ def test_an_asperity_on_a_rough_face_knows_as_much_of_it_as_it_can_reach() -> No
     assert Combined(Parabola(1.0), Sinusoid(1e-6, L)).extent is None
 
 
-def test_symmetry_and_tips_are_known_where_both_have_them_at_one_place() -> None:
+def test_a_pair_has_symmetry_and_summits_if_both_bodies_have_them_at_one_place() -> None:
     assert Combined(Wedge(0.1), Parabola(1.0)).summits == pytest.approx([0.0])
     assert Combined(Sinusoid(1e-6, L), Sinusoid(1e-6, L / 2), 0.25 * L).symmetric
     for pair in (
@@ -212,8 +213,8 @@ def test_symmetry_and_tips_are_known_where_both_have_them_at_one_place() -> None
         Combined(Sinusoid(1e-6, L), Sinusoid(1e-6, L / 2), 0.2 * L),
     ):
         assert not pair.symmetric and pair.summits is None
-    # A wedge and a parabola, one zone: P = E* (slope a + pi a^2/(4 R)), a sum as the equation is
-    # linear in the shape.
+    # One zone of half width a under a wedge plus a parabola: P = E* (slope a + pi a^2/(4 R)). The
+    # loads add up because the equation is linear in the profile.
     solution = contact.solve(
         Scene(Combined(Wedge(0.01), Parabola(0.1)), E, Isolated(), half_width=2e-4)
     )
@@ -222,7 +223,7 @@ def test_symmetry_and_tips_are_known_where_both_have_them_at_one_place() -> None
 
 @dataclass(frozen=True)
 class Alone(contact.Profile):
-    """A pair as one profile, which knows of no bodies."""
+    """The same shape as a pair, given as one profile without separate bodies."""
 
     pair: Combined
 
@@ -234,9 +235,7 @@ class Alone(contact.Profile):
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_what_pressure_closes_both_faces_is_that_of_each_and_of_their_sum_by_itself(
-    mirrored: bool,
-) -> None:
+def test_the_transform_of_the_slope_of_a_pair_is_that_of_the_summed_profile(mirrored: bool) -> None:
     pair = Combined(
         Sampled(KNOTS / 2, TRACE.heights[[*range(48), 0]], period=L / 2),
         Wedge(0.01, L / 3),
@@ -290,14 +289,14 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_makes_no_pair_is_refused_by_name(name: str) -> None:
+def test_bodies_that_make_no_pair_are_refused_by_name(name: str) -> None:
     make, field, told = REFUSED[name]
     with pytest.raises(SceneError, match=told) as caught:
         make()
     assert caught.value.field == field
 
 
-def test_a_counter_body_of_ones_own_is_looked_at_as_a_profile_is() -> None:
+def test_a_user_s_counter_body_is_checked_as_a_profile_is() -> None:
     @dataclass(frozen=True)
     class Odd(contact.Profile):
         def height(self, x):
@@ -331,7 +330,7 @@ mean_pressure = 1e8
 """
 
 
-def test_a_scene_file_tells_both_bodies_and_is_written_as_it_was_read(tmp_path) -> None:
+def test_a_scene_file_holds_both_bodies_and_is_written_as_it_was_read(tmp_path) -> None:
     scene = scene_from_tables(tomllib.loads(FILE))
     assert scene.profile == Combined(Sinusoid(1e-6, 1e-4), Wedge(0.02, 2e-4), 1e-5, True)
     assert (
@@ -367,14 +366,14 @@ def test_a_scene_file_tells_both_bodies_and_is_written_as_it_was_read(tmp_path) 
         ("[counter]", "[conter]", "did you mean 'counter'"),
     ],
 )  # fmt: skip
-def test_a_fault_in_the_counter_table_is_told_by_its_table_and_key(
+def test_a_fault_in_the_counter_table_is_reported_with_its_table_and_key(
     old: str, new: str, told: str
 ) -> None:
     with pytest.raises(SceneError, match=told):
         scene_from_tables(tomllib.loads(FILE.replace(old, new)))
 
 
-def test_a_sweep_goes_over_the_place_of_the_counter_body() -> None:
+def test_a_sweep_over_the_shift_of_the_counter_body() -> None:
     pytest.importorskip("xarray")
     pair = Scene(
         Combined(Sinusoid(2e-6, L), Sinusoid(1e-6, L)), E, Periodic(), contact_fraction=0.5
@@ -384,7 +383,7 @@ def test_a_sweep_goes_over_the_place_of_the_counter_body() -> None:
     assert table.counter_shift.attrs["units"] == "m"
     exact = np.pi * E / L * np.abs(2e-6 + 1e-6 * np.exp(-2j * np.pi * shifts / L)) * 0.5
     assert table["mean_pressure"].values == pytest.approx(exact, rel=1e-8)
-    # Both periods at once, of which one alone would leave no common one.
+    # Both periods change together. A change of only one would leave no common period.
     both = contact.sweep(pair, {"profile.period": [3e-4], "counter.period": [3e-4]}, workers=1)
     assert not both["failed"].any()
 
@@ -399,7 +398,8 @@ def test_each_surface_is_drawn_on_its_own_side() -> None:
         surface, body = surfaces(solution, x)
         below = np.isfinite(surface)
         assert (body - surface)[below] == pytest.approx(solution.gap(x)[below], abs=1e-18)
-        # The body is not deformed, and the counter-face by the displacement alone.
+        # The body is drawn undeformed. The face of the counter body is drawn deformed by the
+        # displacement.
         assert np.ptp(body - pair.profile.height(x)) <= 1e-8 * np.ptp(pair.profile.height(x))
         face = -pair.counter.height(x[below] - 1e-4)
         assert np.ptp(surface[below] - (face - solution.displacement(x[below]))) <= 1e-18

@@ -1,5 +1,5 @@
-"""Shapes of one's own that do not say over which length they vary: they are looked at as closely as
-their heights ask for.
+"""Users' profiles that declare no smallest length. The package finds from their heights how
+finely to sample them.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ PERIODIC = contact.Periodic()
 
 
 class Rippled(contact.Profile):
-    """A wave with ripples, and nothing said of them."""
+    """A wave with ripples. It declares no smallest length."""
 
     period, x0 = 1.0, -0.5
 
@@ -26,14 +26,14 @@ class Rippled(contact.Profile):
 
     @property
     def told(self):
-        """The same, which says all."""
+        """The same shape as a Fourier series, whose waves are declared."""
         waves = np.zeros(self.count, dtype=complex)
         waves[0], waves[-1] = -1e-3, waves[-1] - self.ripple * np.exp(-0.7j)
         return contact.Fourier(1.0, waves.real, waves.imag)
 
 
 class Bowl(contact.Profile):
-    """A parabola alone with ripples, its lowest point far from x = 0."""
+    """A parabola with ripples, for isolated contact. Its lowest point is far from x = 0."""
 
     def height(self, x):
         x = np.asarray(x)
@@ -47,7 +47,7 @@ class Bowl(contact.Profile):
         [{"mean_pressure": 1e-3}, {"mean_pressure": 5e-3}, {"contact_fraction": 1.0}],
     ),
 )
-def test_ripples_are_found_as_of_a_shape_that_names_them(ripples, control):
+def test_undeclared_ripples_give_the_solution_of_the_fourier_series(ripples, control):
     own, told = Rippled(*ripples), Rippled(*ripples).told
     found, known = (
         contact.solve(contact.Scene(profile, 1.0, PERIODIC, **control), tol=1e-8)
@@ -60,7 +60,7 @@ def test_ripples_are_found_as_of_a_shape_that_names_them(ripples, control):
 
 
 @pytest.mark.parametrize("load", quick([0.01, 0.9], [0.01]))
-def test_an_approach_counts_from_the_lowest_ripple(load):
+def test_the_approach_is_measured_from_the_lowest_ripple(load):
     loaded = contact.solve(
         contact.Scene(Bowl(), 1.0, contact.Isolated(datum=11.0), load=load), tol=1e-8
     )
@@ -74,12 +74,13 @@ def test_an_approach_counts_from_the_lowest_ripple(load):
     assert again.load == pytest.approx(load, rel=1e-8)
 
 
-def test_the_length_is_that_of_the_shortest_wave_that_counts():
+def test_the_detected_length_is_that_of_the_shortest_wave_not_neglected():
     for count in (20, 100, 1000):
         assert detail_of(Rippled(count, 1e-3 / count).height, -0.5, 0.5) * count == pytest.approx(
             1.0, rel=0.3
         )
-    # Of corners that nobody has declared a few times their distance.
+    # If corners are not declared, the length is a fraction, at least 1/10, of their distance
+    # 1/50.
     rng = np.random.default_rng(1)
     at, heights = np.linspace(-0.5, 0.5, 51), rng.normal(size=51)
     assert 1 / 500 < detail_of(lambda x: np.interp(x, at, heights), -0.5, 0.5) < 1 / 50
@@ -90,7 +91,9 @@ def test_ripples_of_less_than_a_hundred_thousandth_of_the_slope_are_left_out():
 
 
 class Tilting(contact.Profile):
-    """Two waves, of real places only: the slope is told by differences, and they are noisy."""
+    """Waves whose height accepts real positions only. So the slope comes from differences of
+    heights, which contain round-off.
+    """
 
     period, x0 = 1.0, -0.5
 
@@ -118,13 +121,14 @@ def test_noise_of_differences_is_not_taken_for_waves(fraction):
     assert found.load == pytest.approx(known.load, rel=1e-9) and found.zones == pytest.approx(
         known.zones, abs=1e-8
     )
-    # Some hundred heights a place of a thousand: as many again for each load on the way, or for
-    # waves of no body, are many millions.
+    # About a thousand positions with some hundred heights each are enough. If they were needed
+    # again for each load on the way, or for waves that are only noise, they would be many
+    # millions.
     assert own.asked < 1_000_000
 
 
 class Bumps(contact.Profile):
-    """Five equal bumps on a level plane that has no end."""
+    """Five equal bumps on a level plane without end."""
 
     tips = 1e-3 * np.arange(-2, 3)
 
@@ -143,8 +147,10 @@ class BumpsWithAnEnd(Bumps):
     extent = (-1e-2, 1e-2)
 
 
-def test_a_level_body_names_where_it_would_meet_the_other_again():
-    """The displacement of a half-plane grows without limit, so a level body meets the other."""
+def test_an_endless_level_body_is_refused_under_loads_at_which_it_would_touch_far_away():
+    """Far from the load, the displacement of a half-plane grows without limit. So an endless
+    level body touches it there.
+    """
     light = contact.solve(contact.Scene(Bumps(), 1e11, contact.Isolated(), load=100.0))
     assert len(light.zones) == 5
     heavy = contact.Scene(Bumps(), 1e11, contact.Isolated(), load=2e4)

@@ -1,4 +1,6 @@
-"""Load in tapered ends, dropouts and closing pieces of a trace is warned of, on every route."""
+"""A load on tapered ends, filled dropouts or closing pieces of a trace causes a warning,
+whichever way the scene is solved.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,9 @@ E_STAR = 1e11
 
 
 def surface(crest: float, seed: int = 0) -> np.ndarray:
-    """Waves of 1 to 10 nm and a crest of 100 nm about a part of the length."""
+    """Returns heights: waves of 1 to 10 nm, and a crest of 100 nm at the fraction `crest` of the
+    length.
+    """
     rng = np.random.default_rng(seed)
     waves = sum(
         rng.normal() * np.cos(2 * np.pi * (k * X / LENGTH + rng.random())) / k for k in range(1, 30)
@@ -47,7 +51,9 @@ def trace(folder: Path, crest: float, lost: slice | None = None, **keys: object)
 
 
 def with_crest_in(kind: Kind, folder: Path) -> contact.Sampled:
-    """A trace of one crest, in an interval of that kind; each is a period."""
+    """Returns a trace with a period, whose crest lies in an unmeasured interval of the given
+    kind.
+    """
     if kind is Kind.TAPERED:
         return trace(folder, 0.08, taper=0.2, period=True)
     if kind is Kind.JOINED:
@@ -83,7 +89,9 @@ ROUTES = {
 
 
 def integrated(solution: contact.Solution, kind: Kind) -> float:
-    """The share of the load in the intervals of a kind, by the pressure at even places."""
+    """Returns the share of the load in the intervals of a kind, as a sum of the pressure at
+    evenly spaced positions.
+    """
     profile = solution.scene.profile
     place = "counter" if "counter" in profile.bodies else "profile"
     body = profile.bodies[place]
@@ -99,7 +107,8 @@ def integrated(solution: contact.Solution, kind: Kind) -> float:
     return float(pressure[inside].sum() / pressure.sum())
 
 
-# One cell that stands alone ends where the piece that joins it to the next one is.
+# In isolated contact the surface ends where the piece that joins it to the next period would
+# begin. So the kind JOINED does not occur.
 PAIRS = [
     (route, kind)
     for route in ROUTES
@@ -112,14 +121,14 @@ QUICK = [(route, [*Kind][n % len(Kind)]) for n, route in enumerate(ROUTES)]
 
 
 @pytest.mark.parametrize(("route", "kind"), quick(PAIRS, QUICK))
-def test_the_share_that_is_told_is_the_integral_of_the_pressure_on_every_route(
+def test_the_reported_share_is_the_integral_of_the_pressure_on_every_route(
     route: str, kind: Kind, tmp_path: Path
 ) -> None:
     solution = contact.solve(ROUTES[route](with_crest_in(kind, tmp_path)), tol=1e-5)
     (borne,) = [borne for borne in shares(solution) if borne.kind is kind]
     assert borne.share > 0.02
-    # Cells of the even places at the ends of zones, where adhesion has an infinite pressure, and of
-    # the zones that are split.
+    # The sum has errors at the ends of zones and where the border of an interval splits a zone.
+    # With adhesion the pressure at the ends is infinite, so the tolerance is larger.
     assert borne.share == pytest.approx(
         integrated(solution, kind), abs=2e-2 if solution.scene.law.pulls else 5e-3
     )
@@ -130,12 +139,12 @@ def test_the_share_that_is_told_is_the_integral_of_the_pressure_on_every_route(
 
 
 @pytest.mark.parametrize("route", [name for name in ROUTES if name not in ("gaps", "full")])
-def test_of_summits_well_inside_nothing_is_said(route: str, tmp_path: Path) -> None:
+def test_contact_on_measured_heights_only_causes_no_warning(route: str, tmp_path: Path) -> None:
     profile = trace(tmp_path, 0.5, taper=0.1, period=True)
     assert preparation_warnings(contact.solve(ROUTES[route](profile), tol=1e-5)) == ()
 
 
-def test_points_that_are_given_as_measured_have_no_unmeasured_piece() -> None:
+def test_given_points_have_no_unmeasured_interval_except_the_closing_one() -> None:
     assert contact.Sampled(X[:-1], surface(0.5)[:-1], period=LENGTH).unmeasured == ()
     assert contact.Sampled(X, surface(0.5)).unmeasured == ()
     (joined,) = contact.Sampled(X, surface(0.5), period=1.1 * LENGTH).unmeasured
@@ -143,7 +152,7 @@ def test_points_that_are_given_as_measured_have_no_unmeasured_piece() -> None:
 
 
 @pytest.mark.filterwarnings("always::contact.ModelWarning")
-def test_it_is_told_in_python_on_a_curve_in_json_and_on_one_line_of_the_command_line(
+def test_the_warning_is_given_once_in_python_on_a_curve_in_json_and_by_the_command(
     tmp_path: Path,
 ) -> None:
     pytest.importorskip("click")
@@ -172,7 +181,7 @@ def test_it_is_told_in_python_on_a_curve_in_json_and_on_one_line_of_the_command_
     assert "tapered ends" in said and result.stderr == f"contact: warning: {said}\n"
 
 
-def test_the_page_says_it(tmp_path: Path) -> None:
+def test_the_page_shows_the_warning(tmp_path: Path) -> None:
     from contact.explorer.session import Given, Session
 
     tab = Session(

@@ -1,4 +1,6 @@
-"""Classes with one method and no name serve as parts of a scene; a mistake in one is named."""
+"""Classes with one method and no registered name serve as parts of a scene. A mistake in such a
+class is named in the message.
+"""
 
 from __future__ import annotations
 
@@ -104,9 +106,7 @@ NAMES = {
 
 
 @pytest.mark.parametrize("kind", OWN)
-def test_all_that_is_done_with_a_scene_is_done_with_a_part_that_has_no_name(
-    kind: str, tmp_path: Path
-) -> None:
+def test_every_use_of_a_scene_works_with_an_unregistered_part(kind: str, tmp_path: Path) -> None:
     given = OWN[kind]()
     solution = contact.solve(given, tol=1e-6)
     assert (
@@ -257,7 +257,7 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(("make", "said"), MISTAKES, ids=[said for _, said in MISTAKES])
-def test_a_mistake_is_named(make, said: str) -> None:
+def test_the_message_names_the_mistake(make, said: str) -> None:
     with pytest.raises(contact.SceneError, match=said):
         contact.solve(make(), tol=1e-4)
 
@@ -280,7 +280,7 @@ def test_a_field_that_takes_the_place_of_the_name_is_named() -> None:
         type("Mine", (contact.Profile,), {"__annotations__": {"name": "str"}})
 
 
-def test_tension_under_a_law_that_nothing_is_followed_from_is_out_of_range() -> None:
+def test_a_tensile_load_under_a_law_without_a_bare_law_is_out_of_range() -> None:
     with pytest.raises(contact.OutOfRange, match="load -10: the law Sticky has no `bare` law"):
         contact.solve(scene(law=Sticky(10.0), load=-10.0))
 
@@ -292,7 +292,9 @@ def test_a_contact_fraction_needs_a_model_that_repeats() -> None:
 
 @dataclass(frozen=True)
 class Pair(contact.Interaction):
-    """As the pages write one: its kernel is made of functions that no pickle holds."""
+    """An interaction as on the pages of the documentation. Its kernel contains lambda functions,
+    which cannot be pickled.
+    """
 
     depth: float
     allows = ("load",)
@@ -305,7 +307,7 @@ class Pair(contact.Interaction):
 
 
 @pytest.mark.slow
-def test_solutions_that_no_pickle_holds_are_solved_in_this_process() -> None:
+def test_solutions_that_cannot_be_pickled_are_computed_in_this_process() -> None:
     loads = [1e3 * (1 + 0.1 * k) for k in range(6)]
     with pytest.warns(RuntimeWarning, match="cannot send solutions back"):
         found = contact.solve_many(scene(BALL, Pair(1e-4), load=1e3), loads, tol=1e-5, workers=2)

@@ -17,7 +17,7 @@ E = 1e9
 
 
 def on_axis(criterion, nu):
-    """(place, value) of the largest stress on the axis below a cylinder, p_0 = a = 1."""
+    """Returns (depth, value) of the largest stress on the axis below a cylinder with p_0 = a = 1."""
 
     def value(y):
         root = np.hypot(1, y)
@@ -41,7 +41,7 @@ def on_axis(criterion, nu):
         ("mises", 0.1, {"load": 1e7}),
     ],
 )
-def test_a_cylinder_yields_where_hertz_has_it(criterion, nu, control):
+def test_a_cylinder_yields_at_the_load_and_depth_of_hertz_s_solution(criterion, nu, control):
     scene = contact.Scene(contact.Parabola(1.0), E, ISOLATED, **control)
     found = contact.solve(scene).first_yield(1e6, nu, criterion)
     depth, part = on_axis(criterion, nu)
@@ -91,7 +91,7 @@ def test_at_first_yield_no_point_of_a_fine_grid_is_above_the_strength(profile, c
 
 @pytest.mark.slow
 def test_a_narrow_zone_beside_a_wide_one_is_not_missed():
-    # Fine ridges on a flat wave.
+    # The profile has fine ridges on a flat wave.
     x = np.arange(4000) / 4000
     heights = 1e-3 * np.cos(2 * np.pi * x) + 2e-7 * np.cos(2 * np.pi * 500 * (x - 0.02)) * np.exp(
         -(((x - 0.02) / 0.003) ** 2)
@@ -115,7 +115,7 @@ def test_a_narrow_zone_beside_a_wide_one_is_not_missed():
         (contact.Parabola(1.0), contact.JKR(0.01)),
     ],
 )
-def test_corners_tips_and_adhesive_ends_yield_under_no_load_and_say_so(profile, law):
+def test_corners_tips_and_adhesive_ends_yield_at_zero_load_with_a_note(profile, law):
     solution = contact.solve(contact.Scene(profile, E, ISOLATED, law=law, load=10.0))
     found = solution.first_yield(1e6, 0.3)
     assert found.load == 0.0 and found.solution is None
@@ -136,7 +136,7 @@ def test_a_sharp_tip_beside_the_contact_yields_once_it_touches():
     assert loads[0] == pytest.approx(loads[1], rel=2 * found.error)
 
 
-def test_full_contact_does_not_yield_in_the_plane_whatever_the_load():
+def test_first_yield_is_out_of_range_if_the_stress_of_full_contact_stays_below_the_strength():
     solution = contact.solve(contact.Scene(WAVE, E, PERIODIC, mean_pressure=1e6))
     with pytest.raises(contact.OutOfRange, match="no longer grows"):
         solution.first_yield(5e7, 0.5)
@@ -169,7 +169,7 @@ def under_a_limit(pressure, profile=WAVE):
 
 @pytest.mark.parametrize("strength", quick([1.2e7, 1.36e7], [1.36e7]))
 def test_first_yield_under_a_limit_of_the_pressure_is_the_least_load_from_any_start(strength):
-    # Up to 1.3e7 Pa of mean pressure the largest stress grows with the load; then it falls.
+    # Up to the mean pressure 1.3e7 Pa the largest stress grows with the load. Then it falls.
     found = [under_a_limit(start).first_yield(strength, 0.3) for start in (1e5, 2.2e7)]
     for one in found:
         assert one.load == pytest.approx(found[0].load, rel=found[0].error + one.error)
@@ -179,7 +179,7 @@ def test_first_yield_under_a_limit_of_the_pressure_is_the_least_load_from_any_st
     assert largest(found[0].solution, rule).stress == pytest.approx(strength, rel=1e-9)
 
 
-def test_below_the_hardness_first_yield_is_the_elastic_one_and_a_larger_strength_has_a_larger_load():
+def test_below_the_hardness_first_yield_is_elastic_and_its_load_grows_with_the_strength():
     elastic = contact.solve(contact.Scene(WAVE, E, PERIODIC, mean_pressure=1e6))
     strengths = (5e6, 1.2e7, 1.366e7)
     loads = [under_a_limit(2.2e7).first_yield(one, 0.3).load for one in strengths]
@@ -190,7 +190,8 @@ def test_below_the_hardness_first_yield_is_the_elastic_one_and_a_larger_strength
 def test_a_strength_above_every_stress_under_a_limit_of_the_pressure_is_said_to_be_out_of_range():
     with pytest.raises(contact.OutOfRange, match=r"the largest is 1.367e\+07 Pa, under 119"):
         under_a_limit(2.2e7).first_yield(1.6e7, 0.3)
-    # The largest shear is at most H / pi in the plane, and the mean stress at most H.
+    # The law bounds the stress: the largest shear stress in the plane is at most H / pi, and the
+    # mean stress at most H.
     with pytest.raises(contact.OutOfRange, match=r"at most 1.635e\+07 Pa"):
         under_a_limit(2.2e7).first_yield(1.64e7, 0.3)
 
@@ -214,7 +215,8 @@ def test_sharp_corners_at_the_hardness_yield_under_any_load():
 
 
 def test_first_yield_under_a_limit_is_sought_up_to_the_largest_load_of_an_isolated_wave():
-    # The largest stress, 1.4109e7 Pa, is under 1196 N/m; no contact is found above 1490 N/m.
+    # The largest stress, 1.4109e7 Pa, occurs under the load 1196 N/m. No contact is found above
+    # 1490 N/m.
     law, loads = contact.Plastic(2.4e7), []
     for start in (10.0, 300.0, 1200.0):
         scene = contact.Scene(WAVE, E, contact.Isolated(), law=law, load=start)
@@ -227,7 +229,7 @@ def test_first_yield_under_a_limit_is_sought_up_to_the_largest_load_of_an_isolat
 
 
 def test_a_wedge_under_a_limit_of_the_pressure_yields_under_any_load_or_none():
-    """It has no length of its own, so that its stresses do not depend on the load."""
+    """A wedge has no length of its own, so its largest stress does not depend on the load."""
     law = contact.Plastic(3e7)
     rule, stresses = Criterion("mises", 0.3, "as loaded"), []
     for load in (1e-2, 1e4):
@@ -251,7 +253,7 @@ def test_the_largest_stress_of_a_flat_punch_at_its_limit_is_that_beside_the_corn
     assert abs(found.x) == 2e-5
 
 
-def test_first_yield_of_a_tip_under_a_limit_is_found_where_heights_are_rounded_under_smaller_loads():
+def test_first_yield_of_a_tip_under_a_limit_is_found_although_heights_round_at_small_loads():
     law = contact.Plastic(237.3)
     scene = replace(random_scenes.draw(51030).scene, law=law).under("load", 5.767e-8)
     found = contact.solve(scene).first_yield(0.4 * 237.3, 0.3)

@@ -1,4 +1,4 @@
-"""Closed-form solutions of the engine's equation, apart from any solver.
+"""Closed-form solutions of the engine's equation, independent of any solver.
 
     (1/pi) PV int phi(xi) K(x - xi) dxi = g(x) on the zones,   K = 1/(x - xi) or (pi/L) cot(pi (x - xi)/L).
 
@@ -8,7 +8,7 @@ zone, x = middle + w t, all come from
 
     T_j / sqrt(1 - t^2) -> -U_{j-1},     sqrt(1 - t^2) U_j -> T_{j+1}
 
-(F. G. Tricomi, Quart. J. Math. 2, 1951, 199-211); those of a period by the mapping tan(pi x / L).
+(F. G. Tricomi, Quart. J. Math. 2, 1951, 199-211). Periodic ones follow by tan(pi x / L).
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ Array = NDArray[np.float64]
 
 
 class Exact:
-    """What every closed form offers; one zone centred on the origin unless it says otherwise."""
+    """The members of every closed form. By default there is one zone, centred on the origin."""
 
     period: float | None = None
     half_width: float
 
     @property
     def zones(self) -> Array:
-        """(n, 2) ends."""
+        """Table (n, 2) of the zone ends."""
         return np.array([[-self.half_width, self.half_width]])
 
     @property
@@ -49,7 +49,7 @@ class Exact:
         raise NotImplementedError
 
     def at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Density at the normalised position t in [-1, 1] of a zone."""
+        """Density at the scaled position t in [-1, 1] of a zone."""
         raise NotImplementedError
 
     def density(self, x: ArrayLike) -> Array:
@@ -74,7 +74,10 @@ def _floats(x: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class Flat(Exact):
-    """g = 0, singular ends: phi = P / (pi sqrt(a^2 - x^2)) (M. Sadowsky, ZAMM 8, 1928, 107-121)."""
+    """Flat punch: g = 0, singular ends.
+
+    phi = P / (pi sqrt(a^2 - x^2)) (M. Sadowsky, ZAMM 8, 1928, 107-121).
+    """
 
     half_width: float
     load: float
@@ -96,7 +99,7 @@ class Flat(Exact):
 
 @dataclass(frozen=True)
 class Hertz(Exact):
-    """g = k x, free ends: phi = k sqrt(a^2 - x^2), P = pi k a^2 / 2 (H. Hertz 1882)."""
+    """Parabola: g = k x, free ends, phi = k sqrt(a^2 - x^2), P = pi k a^2 / 2 (H. Hertz 1882)."""
 
     half_width: float
     curvature: float = 1.0
@@ -117,9 +120,10 @@ class Hertz(Exact):
 
 @dataclass(frozen=True)
 class PrescribedIntensity(Exact):
-    """g = k x, ends where phi = K / sqrt(d): phi = k sqrt(a^2 - x^2) + K sqrt(2 a) / sqrt(a^2 -
-    x^2), P = pi k a^2 / 2 + pi K sqrt(2 a); K < 0 is the adhering line contact (M. Barquins, J.
-    Adhesion 26, 1988, 1-12).
+    """Parabola with given intensity K: g = k x, phi ~ K / sqrt(d) at the distance d from an end.
+
+    phi = k sqrt(a^2 - x^2) + K sqrt(2 a) / sqrt(a^2 - x^2), P = pi k a^2 / 2 + pi K sqrt(2 a). If
+    K < 0, this is the adhering line contact (M. Barquins, J. Adhesion 26, 1988, 1-12).
     """
 
     half_width: float
@@ -146,8 +150,10 @@ class PrescribedIntensity(Exact):
 
 @dataclass(frozen=True)
 class Tilted(Exact):
-    """g = -s, one bounded end a and one sharp end b: phi = s sqrt((x - a)/(b - x)), P = pi s (b -
-    a)/2 (N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 11).
+    """Tilted punch: g = -s, free left end a, singular right end b.
+
+    phi = s sqrt((x - a)/(b - x)), P = pi s (b - a)/2 (N. I. Muskhelishvili, Singular Integral
+    Equations, 1953, ch. 11).
     """
 
     left: float
@@ -176,8 +182,10 @@ class Tilted(Exact):
 
 @dataclass(frozen=True)
 class Wedge(Exact):
-    """g = s sgn(x), free ends: phi = (2 s/pi) arcosh(a/|x|), P = 2 s a
-    (K. L. Johnson, Contact Mechanics, 1985, sec. 5.2)."""
+    """Wedge: g = s sgn(x), free ends.
+
+    phi = (2 s/pi) arcosh(a/|x|), P = 2 s a (K. L. Johnson, Contact Mechanics, 1985, sec. 5.2).
+    """
 
     half_width: float
     slope: float = 1.0
@@ -200,15 +208,16 @@ class Wedge(Exact):
 
     def at(self, t: ArrayLike, zone: int = 0) -> Array:
         with np.errstate(divide="ignore"):
-            # arcosh(1/|t|), all digits kept near the ends.
+            # This is arcosh(1/|t|), without cancellation near the ends.
             return np.asarray(2 * self.slope / math.pi * np.arcsinh(_root(t) / np.abs(_floats(t))))
 
 
 @dataclass(frozen=True)
 class Crack(Exact):
-    """g = s, singular ends, no net total: phi = -s x / sqrt(a^2 - x^2); its integral from the left
-    end, s sqrt(a^2 - x^2), is the opening of a crack (B. A. Bilby, J. D. Eshelby, Fracture I, 1968,
-    99-182).
+    """Crack: g = s, singular ends, total zero.
+
+    phi = -s x / sqrt(a^2 - x^2). Its integral from the left end, s sqrt(a^2 - x^2), is the
+    opening of the crack (B. A. Bilby, J. D. Eshelby, Fracture I, 1968, 99-182).
     """
 
     half_width: float
@@ -235,9 +244,10 @@ class Crack(Exact):
 
 @dataclass(frozen=True)
 class TwoZones(Exact):
-    """Zones a < |x| < b, g = k x (x^2 - (a^2 + b^2)/2), free ends: phi = k |x| sqrt((x^2 - a^2)(b^2
-    - x^2)), P = pi k (b^2 - a^2)^2 / 8 (I. G. Goryacheva, I. Y. Tsukanov, Front. Mech. Eng. 6,
-    2020, 45, eqs. 32-33).
+    """Two zones a < |x| < b with free ends: g = k x (x^2 - (a^2 + b^2)/2).
+
+    phi = k |x| sqrt((x^2 - a^2)(b^2 - x^2)), P = pi k (b^2 - a^2)^2 / 8 (I. G. Goryacheva, I. Y.
+    Tsukanov, Front. Mech. Eng. 6, 2020, 45, eqs. 32-33).
     """
 
     inner: float
@@ -269,21 +279,26 @@ class TwoZones(Exact):
 
 @dataclass(frozen=True)
 class _Periodic(Exact):
-    """One zone a period, centred on the origin."""
+    """One zone per period, centred on the origin."""
 
     half_width: float
     period: float
 
     def _turn(self, t: ArrayLike) -> tuple[Array, Array]:
-        """pi x / L and sqrt(sin^2(pi a/L) - sin^2(pi x/L)), whose factors are free of cancellation."""
+        """Returns pi x/L and sqrt(sin^2(pi a/L) - sin^2(pi x/L)). The root is computed without
+        cancellation.
+        """
         t, edge = _floats(t), math.pi * self.half_width / self.period
         return edge * t, np.sqrt(np.sin(edge * (1 - t)) * np.sin(edge * (1 + t)))
 
 
 @dataclass(frozen=True)
 class PeriodicFlat(_Periodic):
-    """g = 0, singular ends, period L: phi = (P/L) cos(pi x/L) / sqrt(sin^2(pi a/L) - sin^2(pi x/L))
-    (M. Sadowsky, ZAMM 8, 1928, 107-121)."""
+    """Row of flat punches: g = 0, singular ends, period L.
+
+    phi = (P/L) cos(pi x/L) / sqrt(sin^2(pi a/L) - sin^2(pi x/L)) (M. Sadowsky, ZAMM 8, 1928,
+    107-121).
+    """
 
     load: float = 1.0
 
@@ -305,9 +320,10 @@ class PeriodicFlat(_Periodic):
 
 @dataclass(frozen=True)
 class PeriodicCracks(_Periodic):
-    """g = s, singular ends, no net total, period L: phi = -s sin(pi x/L) / sqrt(sin^2(pi a/L) -
-    sin^2(pi x/L)), opening s (L/pi) arcosh(cos(pi x/L)/cos(pi a/L)) (W. T. Koiter, Ingenieur-Archiv
-    28, 1959, 168-172).
+    """Row of cracks: g = s, singular ends, total zero, period L.
+
+    phi = -s sin(pi x/L) / sqrt(sin^2(pi a/L) - sin^2(pi x/L)). The opening is s (L/pi)
+    arcosh(cos(pi x/L)/cos(pi a/L)) (W. T. Koiter, Ingenieur-Archiv 28, 1959, 168-172).
     """
 
     stress: float = 1.0
@@ -336,8 +352,10 @@ class PeriodicCracks(_Periodic):
 
 @dataclass(frozen=True)
 class Westergaard(_Periodic):
-    """g = A sin(2 pi x/L), free ends, period L: phi = 2 A cos(pi x/L) sqrt(sin^2(pi a/L) - sin^2(pi
-    x/L)), P = A L sin^2(pi a/L) (H. M. Westergaard, J. Appl. Mech. 6, 1939, A49-A53).
+    """Wave: g = A sin(2 pi x/L), free ends, period L.
+
+    phi = 2 A cos(pi x/L) sqrt(sin^2(pi a/L) - sin^2(pi x/L)), P = A L sin^2(pi a/L) (H. M.
+    Westergaard, J. Appl. Mech. 6, 1939, A49-A53).
     """
 
     amplitude: float = 1.0
@@ -360,8 +378,10 @@ class Westergaard(_Periodic):
 
 @dataclass(frozen=True)
 class Polynomial(Exact):
-    """g = sum c_k t^k = sum_j g_j U_{j-1}(t), t = (x - middle)/w, singular ends, given total: phi =
-    (P/(pi w) - sum_j g_j T_j(t)) / sqrt(1 - t^2), since T_j / sqrt -> -U_{j-1} and T_0 / sqrt -> 0.
+    """Polynomial g = sum c_k t^k = sum_j g_j U_{j-1}(t) with singular ends and a given total P.
+
+    Here t = (x - middle)/w, and phi = (P/(pi w) - sum_j g_j T_j(t)) / sqrt(1 - t^2). The operator
+    takes T_j / sqrt(1 - t^2) to -U_{j-1}, and T_0 / sqrt(1 - t^2) to 0.
     """
 
     left: float
@@ -394,7 +414,8 @@ class Polynomial(Exact):
         )
 
     def at(self, t: ArrayLike, zone: int = 0) -> Array:
-        # The antiderivative of U_{j-1} is T_j / j.
+        # The antiderivative of U_{j-1} is T_j / j. So the antiderivative of g has the
+        # coefficients g_j / j.
         series = -chebyshev.poly2cheb(polynomial.polyint(self.coefficients))
         series *= np.arange(len(series))
         series[0] = self.load / (math.pi * self._half)

@@ -1,7 +1,8 @@
-"""Transforms and potentials by adaptive quadrature in theta, x = middle + w cos(theta): no solver,
-no closed form.
+"""Transforms and potentials by adaptive quadrature in theta, where x = middle + w cos(theta).
+They use neither the solver nor closed forms.
 
-The principal value at theta = alpha is QUADPACK's (`weight="cauchy"`), on a short piece around it.
+The principal value at theta = alpha is QUADPACK's (`weight="cauchy"`), on a short piece around
+alpha.
 """
 
 from __future__ import annotations
@@ -48,8 +49,9 @@ def _singular(kinks, a, b):
 
 
 def transform(at, zones, x, kernel, kinks=()):
-    """(1/pi) PV int phi(xi) K(x - xi) dxi; at(t, zone) the density, kinks: places where it is
-    singular.
+    """Returns (1/pi) PV int phi(xi) K(x - xi) dxi.
+
+    at(t, zone) is the density at the scaled position t of a zone; kinks are its singular points.
     """
     total = 0.0
     for i, (a, b) in enumerate(zones):
@@ -83,7 +85,7 @@ def transform(at, zones, x, kernel, kinks=()):
 
 
 def potential(at, zones, x, logarithm, kinks=()):
-    """(1/pi) int phi(xi) Lambda(x - xi) dxi."""
+    """Returns (1/pi) int phi(xi) Lambda(x - xi) dxi, where Lambda is the function `logarithm`."""
     total = 0.0
     for i, (a, b) in enumerate(zones):
         w, middle, special = 0.5 * (b - a), 0.5 * (a + b), _singular(kinks, a, b)
@@ -99,7 +101,7 @@ def potential(at, zones, x, logarithm, kinks=()):
 
 
 def integral(at, zones, kinks=(), weight=lambda x: 1.0):
-    """int weight phi over all zones."""
+    """Returns the integral of weight(x) phi(x) over all zones."""
     total = 0.0
     for i, (a, b) in enumerate(zones):
         w, middle = 0.5 * (b - a), 0.5 * (a + b)

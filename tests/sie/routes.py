@@ -1,5 +1,5 @@
-"""Problems that take every way through the engine, as functions of the size of their data: kernel,
-right side, conditions, zones.
+"""Problems that together use every route through the engine. Each is a function of the size of
+its data; it returns an equation, zones and keyword arguments of `sie.solve`.
 """
 
 from __future__ import annotations
