@@ -37,7 +37,7 @@ GRID = {"profile.amplitude": [1e-2, 2e-2], "control.contact_fraction": [0.6, 0.2
 
 @pytest.fixture
 def counted(monkeypatch):
-    """Returns a list that receives the number of each point that this process solves."""
+    """Returns a list that receives the index of each point that this process solves."""
     places: list[int] = []
     real = processes.solved
 
