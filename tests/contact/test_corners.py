@@ -1,5 +1,5 @@
-"""Kinks, jumps of curvature and sharp corners, in zones, at their edges and beside them, against
-exact contacts.
+"""Profiles with kinks, jumps of the curvature and sharp corners, against exact contacts.
+The kinks, jumps and corners lie in zones, at their ends and outside them.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from tests.contact.corners import CorneredZone, FoldedContact, Power, Wave, poly
 from tests.contact.judge import counterparts, end_error, solve, unit_pressure
 from tests.tiers import quick
 
-# The stated error is about pressures no nearer than this to a kink or a sharp corner, over the half
-# width.
+# The stated error holds for pressures at this distance from kinks and sharp corners, or farther
+# away. The distance is in half widths of the zone.
 NEAREST = 0.01
 T = np.cos((np.arange(200) + 0.5) * np.pi / 200)
 
@@ -81,7 +81,7 @@ FOLDED = {
 
 
 def solved(answer, tol=1e-8, **control):
-    """The solution of an exact contact's profile, by its load unless told otherwise."""
+    """The solution for an exact contact's profile, under its load or the given control."""
     model = contact.Isolated() if answer.period is None else contact.Periodic()
     return solve(
         answer.profile, model, answer.E_star, tol=tol, **(control or {"load": answer.load})
@@ -89,8 +89,8 @@ def solved(answer, tol=1e-8, **control):
 
 
 def off(solution, answer):
-    """The true error as `Solution.error` means it: no nearer to corners than what is stated holds
-    for.
+    """The larger of the errors of the pressure and of the ends; `Solution.error` bounds it.
+    Pressures closer than NEAREST to a kink or a sharp corner are left out.
     """
     order, _ = counterparts(solution, answer)
     worst = 0.0
@@ -113,11 +113,12 @@ def off(solution, answer):
 
 class TestTheExactContacts:
     @pytest.mark.parametrize("answer", [*SCENES.values(), *FOLDED.values()], ids=[*SCENES, *FOLDED])
-    def test_answer_the_equation(self, answer):
+    def test_satisfy_the_equation(self, answer):
         breaks = np.concatenate(
             (answer.zones.ravel(), answer.profile.kinks[:, 0], answer.profile.jumps[:, 0])
         )
-        # A 1/sqrt at a sharp corner costs double-exponential quadrature half of its digits.
+        # The inverse square root at a sharp corner costs double-exponential quadrature half of
+        # its digits.
         tolerance = 1e-7 if answer.profile.support is not None else 1e-10
         for a, b in answer.zones:
             for part in (0.13, 0.47, 0.81):
@@ -133,7 +134,8 @@ class TestTheExactContacts:
         (a, b), kinks = answer.zone, answer.profile.kinks[:, 0]
         ends = np.unique(np.concatenate(([a, b], kinks[(kinks > a) & (kinks < b)])))
 
-        # x = m + h sin(y): smooth at ends, and integrable at kinks.
+        # With the middle m and the half width h of a piece, x = m + h sin(y) makes the
+        # integrand smooth at the ends of the zone and bounded at kinks.
         def inner(y, lo, hi):
             return (
                 float(answer.pressure(np.array(0.5 * (lo + hi) + 0.5 * (hi - lo) * np.sin(y))))
@@ -154,9 +156,10 @@ class TestTheExactContacts:
         tip = CorneredZone((-0.3, 0.3), rows([(0.0, 0.2)]), E_star=2.0, period=1.0)
         assert tip.pressure_at(T) == pytest.approx(wedge.pressure_at(T), rel=1e-13)
         assert tip.load == pytest.approx(wedge.load, rel=1e-14)
-        # M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319, doi
-        # 10.1243/0954406981521259: sin(phi0) = b/a, 4 P R/(E* b^2) = (pi - 2 phi0)/sin(phi0)^2 - 2
-        # cot(phi0).
+        # The load P of a punch with a flat of half width b and shoulders of radius R, in
+        # contact on the half width a (M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212
+        # (1998) 319, doi 10.1243/0954406981521259): sin(phi0) = b/a, 4 P R/(E* b^2) = (pi - 2
+        # phi0)/sin(phi0)^2 - 2 cot(phi0).
         phi0 = np.arcsin(1 / 1.5)
         known = (np.pi - 2 * phi0) / np.sin(phi0) ** 2 - 2 / np.tan(phi0)
         assert 4 * SCENES["rounded punch"].load / 0.1 == pytest.approx(known, rel=1e-14)
@@ -167,6 +170,7 @@ class TestTheExactContacts:
             check_profile(answer.profile)
 
     def test_a_load_a_part_in_ten_thousand_off_is_seen(self):
+        """The comparison of this file detects a load that is wrong by 1e-4."""
         answer = SCENES["corners and bends"]
         assert off(solved(answer, load=answer.load * (1 + 1e-4)), answer) > 1e-6
 
@@ -196,7 +200,7 @@ class TestOneZone:
                 rows([(0.1, 0.1), (0.2 + r, 0.1), (0.2 - r, 0.05), (-0.3 - r, 0.1)]),
                 period=1.0,
             ),
-            # All that carries load are two corners that the ends have just passed.
+            # Only two corners carry load; they lie just inside the ends of the zone.
             "two corners inside": lambda: CorneredZone(
                 (-1 - r, 1 + r), rows([(-1, 0.1), (1, 0.1)])
             ),
@@ -218,7 +222,8 @@ class TestOneZone:
         ends=st.tuples(st.floats(-0.4, -0.05), st.floats(0.05, 0.4)),
     )
     def test_any_convex_polygon(self, at, sizes, ends):
-        # Corners nearer to each other than this are one; some corner is inside.
+        # Corners closer to each other than 1e-3 are united. The corner added in the middle
+        # makes sure that the zone contains a corner.
         at = np.append(np.unique(np.round(at, 3)), 0.5 * (ends[0] + ends[1]))
         answer = CorneredZone(
             ends, np.unique(np.column_stack((at, sizes[: len(at) - 1] + [0.5])), axis=0)
@@ -249,7 +254,7 @@ class TestOneZone:
 
 
 class TestASharpCorner:
-    """f = 0.05 |x| with corners at +-1: the body ends there."""
+    """The profile f = 0.05 |x| of a body that ends at sharp corners at x = -1 and x = 1."""
 
     def body(self):
         return CorneredZone((-1.0, 1.0), rows([(0.0, 0.1)]), punch=1.0).profile
@@ -282,7 +287,8 @@ class TestASharpCorner:
                 load=load,
             )
             beyond.append(float(solution.zones[0, 1]) - 1)
-            # P = E* s sqrt(a^2 - b^2)
+            # P = E* s sqrt(a^2 - b^2), with the slope s of the sides, the half width a of the
+            # zone, and the corners at -b and b.
             assert (1 + beyond[-1]) ** 2 - 1 == pytest.approx((load / 20.0) ** 2, rel=1e-4)
         assert beyond[0] < 1e-10 and beyond[-1] > 0.5
 
@@ -316,7 +322,7 @@ class TestNearlyFullContact:
 
 
 def measured(points, seed):
-    """x, heights of a rough trace of rms 0.01 in a period of one."""
+    """The positions and heights of a random trace with the period 1 and the rms height 0.01."""
     rng = np.random.default_rng(seed)
     k = np.arange(1, points // 2)
     spectrum = np.append(np.append(0.0, k**-1.5 * np.exp(2j * np.pi * rng.random(len(k)))), 0.0)
@@ -334,12 +340,12 @@ class TestMeasuredProfiles:
         assert solution.contact_fraction == pytest.approx(0.75, abs=1e-12)
 
     def test_joined_by_straight_lines_have_gaps_of_a_thousandth_of_a_billionth(self):
-        # 41 gaps, one of 2e-12: known to less than the digits of its place, and nothing false is
-        # stated of it.
+        # One of the 41 gaps is only 2e-12 of the period wide. Round-off of its position leaves
+        # few digits of its width, and the stated error must still be true.
         solution = solve(polygon(*measured(128, 1), 1.0), contact.Periodic(), tol=1e-8, load=0.06)
         assert solution.certificate.note.startswith("solved by its gaps") and solution.error <= 1e-8
 
-    def test_joined_by_straight_lines_answer_the_equation(self):
+    def test_joined_by_straight_lines_satisfy_the_equation(self):
         profile = polygon(*measured(16, 0), 1.0)
         solution = solve(profile, contact.Periodic(), tol=1e-10, contact_fraction=0.75)
         a, b = solution.zones[int(np.argmax(solution.zone_widths))]
@@ -371,13 +377,14 @@ class TestMeasuredProfiles:
 
 
 class Repeated:
-    """Pressure and period of a solution: all that the independent quadrature needs."""
+    """The pressure and the period of a solution, which are all that the quadrature uses."""
 
     def __init__(self, solution):
         self.pressure, self.period = solution.pressure, solution.scene.period
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_the_lowest_place_at_a_tip_is_the_tip(seed):
+def test_the_lowest_height_of_a_piecewise_linear_profile_is_that_of_its_lowest_corner(seed):
+    """The least height of a piecewise linear profile is that of a corner, without round-off."""
     profile = piecewise(np.random.default_rng([44, seed]), 1.0)
     assert lowest(profile, (float(profile.at[0]), float(profile.at[-1]))) == profile.heights.min()

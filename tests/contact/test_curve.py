@@ -1,4 +1,4 @@
-"""Curves of one control: the answers of single solves, at the price of few searches."""
+"""Solutions at many values of one control: as exact as single solves, with few searches."""
 
 import dataclasses
 
@@ -16,7 +16,7 @@ from contact.studies.trace_kinds import drawn
 from contact.verify.certificate import certify
 
 ROUGH = contact.Fourier(1.0, [-0.01, 0.004, 0.002], [0.003, -0.002, 0.004])
-# Under growing loads its one zone becomes two, and one again, time and again.
+# Under growing loads, zones of this profile appear and merge again and again.
 TRACE = contact.Sampled(
     np.arange(96) / 96, 1e-3 * np.random.default_rng(5).normal(size=96), period=1.0
 )
@@ -35,7 +35,7 @@ def full_load(profile):
 
 @pytest.fixture
 def counted(monkeypatch):
-    """Counts the searches of a grid and the constructions of the limit of full contact."""
+    """The numbers of grid searches and of computed limits of full contact, in a dict."""
     count = {"grids": 0, "limits": 0}
 
     def counting(module, name, what):
@@ -99,13 +99,13 @@ class TestProcesses:
             )
             np.testing.assert_allclose(one.zones, other.zones, rtol=0, atol=2e-8)
 
-    def test_what_no_contact_has_is_refused_as_by_one(self):
+    def test_values_that_no_contact_has_are_refused_as_in_one_process(self):
         lone = scene(contact.Sinusoid(1e-2, 1.0), contact.Isolated())
         for workers in (1, 2):
             with pytest.raises(contact.OutOfRange, match="border|beyond the largest"):
                 contact.solve_many(lone, [1e-3, 1.1e-3, 1.0, 1.1], workers=workers)
 
-    def test_none_is_started_for_what_is_known_at_once(self, monkeypatch):
+    def test_no_process_is_started_for_scenes_in_closed_form(self, monkeypatch):
         monkeypatch.setattr("contact.sweeps.solve_many.solved_in_processes", None)
         found = contact.solve_many(
             scene(contact.Sinusoid(1e-2, 1.0)), [1e-3, 2e-3, 3e-3, 4e-3], workers=2
@@ -114,7 +114,7 @@ class TestProcesses:
 
     def test_a_scene_that_cannot_be_sent_is_solved_here(self):
         class Own(contact.Fourier):
-            """Other processes cannot import it."""
+            """A class that other processes cannot import, since it is local."""
 
         loads = full_load(ROUGH) * np.array([0.2, 0.3, 0.4, 0.5])
         own = scene(Own(1.0, ROUGH.cosine, ROUGH.sine))
@@ -122,7 +122,7 @@ class TestProcesses:
             found = contact.solve_many(own, loads, workers=2)
         assert [solution.scene.load for solution in found] == list(loads)
 
-    def test_so_many_are_refused(self):
+    def test_zero_workers_are_refused(self):
         with pytest.raises(contact.SceneError, match="workers"):
             contact.solve_many(scene(ROUGH), [1e-3], workers=0)
 
@@ -154,12 +154,13 @@ def test_points_close_together_take_about_two_steps_of_newton():
 @pytest.mark.parametrize(
     ("values", "control"), [([], None), ([np.nan], None), ([0.0], "load"), ([1.0], "weight")]
 )
-def test_values_and_controls_that_are_none_are_refused_by_name(values, control):
+def test_invalid_values_and_controls_are_refused_by_name(values, control):
     with pytest.raises(contact.SceneError, match="values|load|control"):
         contact.solve_many(scene(ROUGH), values, control)
 
 
 def test_the_certificate_sees_a_second_touch_right_beside_an_end_that_is_about_to_move_far():
+    """The surfaces overlap just outside the left end, so the certificate must not hold."""
     load = 0.0010874649540675919
     problem = contact.solve(scene(BUMPY, load=load)).fields.problem
     fields = PressureForm(problem).formal(
@@ -171,13 +172,14 @@ def test_the_certificate_sees_a_second_touch_right_beside_an_end_that_is_about_t
 
 
 def passed(profile, *loads):
+    """The solutions under the loads, as the points from which zones are extrapolated."""
     return tuple(CurvePoint(contact.solve(scene(profile, load=load), tol=1e-10)) for load in loads)
 
 
 @pytest.mark.parametrize(("known", "order"), [(1, 2), (2, 4)])
-def test_ends_are_carried_on_by_values_and_rates_to_the_order_that_these_tell(known, order):
-    """No zone is born and none merge here: with half the step of the load, the error of the
-    extrapolated ends is smaller by 2^order.
+def test_extrapolated_ends_have_the_order_of_the_known_values_and_rates(known, order):
+    """Half the step in the logarithm of the load divides the error of the ends by 2^order.
+    No zone appears and no zones merge at these loads.
     """
     profile, load = contact.Fourier(1.0, [0.0, 0.0, -0.01], [0.001, 0.002, 0.0]), 0.012
     missed = []
@@ -190,9 +192,10 @@ def test_ends_are_carried_on_by_values_and_rates_to_the_order_that_these_tell(kn
     assert missed[0] / missed[1] > 0.7 * 2**order
 
 
-def test_zones_are_born_and_gaps_close_as_they_are_carried_on():
-    """A wave with a lower crest between its crests, which touches at the load of a birth, and all
-    merge in the end.
+def test_extrapolation_finds_births_of_zones_and_gaps_that_close():
+    """A wave with a lower crest between its main crests.
+    The zone of the lower crest appears at the load of the birth. Later it merges with the other
+    zone.
     """
     profile = contact.Fourier(1.0, [0.004, -0.01], [0.003, 0.0])
     events = contact.path(scene(profile), [1e-3, 0.9999 * full_load(profile)]).events
@@ -206,7 +209,8 @@ def test_zones_are_born_and_gaps_close_as_they_are_carried_on():
         )
     birth = events[0]
     zones, _ = extrapolated(passed(profile, 0.98 * birth.load), float(np.log(1.01 * birth.load)))
-    # Positions lie in the cell, zones carried on may lie in the next one.
+    # The position of an event lies in the cell of the period; extrapolated zones may lie in the
+    # next cell.
     middles = zones.mean(axis=1)
     away = np.abs(birth.position - middles - np.round(birth.position - middles))
     assert len(zones) == 2 and np.any(away < 0.5 * np.diff(zones, axis=1)[:, 0])
@@ -225,7 +229,7 @@ def test_a_curve_of_many_zones_is_the_same_whatever_the_spacing_of_its_loads(cou
 
 
 @pytest.mark.slow
-def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from_scratch(
+def test_a_curve_takes_half_the_grid_points_and_1_5_times_the_newton_steps_of_single_solves_at_most(
     monkeypatch, newton_steps
 ):
     points, grid = [0], contact.search.grid.nested_grids.solve_grid
@@ -247,7 +251,7 @@ def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from
 def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches_from_scratch(
     newton_steps,
 ):
-    """Zones extrapolated over a long step are given up for a grid, if the grid is fast."""
+    """Zones extrapolated over a long step are replaced by those of a grid, if the grid is fast."""
     profile = drawn(np.random.default_rng(3), "honed", 300)
     loads = np.geomspace(1e-3, 0.7, 12) * full_load(profile)
     together, _ = newton_steps(lambda: contact.solve_many(scene(profile), loads))
@@ -271,7 +275,8 @@ def test_narrow_gaps_that_become_slits_of_wide_zones_or_cease_to_be_do_not_stop_
 
 
 @pytest.mark.parametrize("near", [False, True], ids=["along a curve", "near"])
-def test_what_a_solution_near_by_leads_to_too_roughly_is_looked_for_from_nothing(near, monkeypatch):
+def test_an_inexact_solution_from_a_nearby_one_is_replaced_by_one_from_scratch(near, monkeypatch):
+    """The first refinement is made to state the error 1e-6, so that a new search must follow."""
     real = refine._refined_once
 
     def off(context, found, again):
@@ -295,7 +300,8 @@ def test_what_a_solution_near_by_leads_to_too_roughly_is_looked_for_from_nothing
     )
 
 
-def test_what_is_no_better_from_nothing_is_refused_with_its_best_state(monkeypatch):
+def test_a_solution_that_is_inexact_from_scratch_too_is_refused_with_its_best_state(monkeypatch):
+    """Both refinements, with and without the nearby solution, are made to state the error 1e-6."""
     full, real = full_load(ROUGH), refine._refined_once
     first = contact.solve(scene(ROUGH, load=0.2 * full))
     monkeypatch.setattr(

@@ -1,5 +1,5 @@
-"""Built-in profiles jump where they say, as they say, and nowhere else; that keeps the work of a
-solve small at every load.
+"""Built-in profiles declare their kinks and jumps, and no others, with the right sizes.
+So a solve needs few evaluations of the profile at every load.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from contact import (
 from contact.model.plugin_checks.jumps import jumps_at
 from contact.model.profiles.tilted import Tilted
 
-_POSITIONS = (0.0, 1.0, -100.0)  # of a trace's first point, in lengths of the trace
+_POSITIONS = (0.0, 1.0, -100.0)  # of the first point of a trace, in lengths of the trace
 
 
 def built_in(seed: int) -> Iterator[Profile]:
-    """Every built-in profile, with and without a period, at random parameters over many scales."""
+    """Every built-in profile, with and without a period, with random parameters of many sizes."""
     rng = np.random.default_rng(seed)
     length, steep = 10 ** rng.uniform(-6, 2), 10 ** rng.uniform(-4, 0)
     part, h = length * rng.uniform(0.02, 0.99), length / 2
@@ -93,8 +93,8 @@ def assert_jumps_are_declared(profile: Profile) -> None:
         axis=1
     )
     for order in (1, 2, 3):
-        # What is asked for is far below what the shape itself makes of a jump: its slope over the
-        # length looked at.
+        # The unit is the size of the derivative whose jumps are compared: the slope over a
+        # power of `reach`, plus the declared jump. The allowed errors are far below it.
         unit = size / reach ** (order - 1) + np.abs(declared[:, order - 1])
         assert np.all(seen.doubt[:, order - 1] <= 1e-4 * unit)
         assert np.all(
@@ -110,7 +110,8 @@ def test_a_built_in_profile_jumps_where_it_says_and_nowhere_else_it_could(seed: 
         assert_jumps_are_declared(Tilted(profile, 0.1))
 
 
-def test_a_jump_left_out_or_off_by_a_thousandth_is_seen() -> None:
+def test_a_jump_left_out_or_wrong_by_a_thousandth_is_detected() -> None:
+    """A profile that omits its jumps, or declares them wrong by 1e-3, fails the test above."""
     for factor in (0.0, 1.001):
 
         class Off(Biquadratic):

@@ -1,4 +1,4 @@
-"""Designs: the best data of a scene within bounds."""
+"""Designs: the data of a scene, within bounds, that are best for an objective."""
 
 from __future__ import annotations
 
@@ -27,7 +27,9 @@ BOUNDS = {"profile.cosine": ([-1.2e-6, -2e-7], [-8e-7, 2e-7])}
 
 
 def test_a_wave_of_least_contact_has_the_amplitude_of_its_closed_form() -> None:
-    """p = 2 sqrt(pbar p*) <= H, p* = pi E* amplitude / L: the largest amplitude that H allows."""
+    """The largest pressure is 2 sqrt(pbar p*), with p* = pi E* amplitude / L and the mean pbar.
+    Contact is least at the largest amplitude whose largest pressure is within the bound 6e7.
+    """
     scene = periodic(contact.Sinusoid(1e-6, 1e-4), mean_pressure=2e7)
     best = contact.optimize(
         scene,
@@ -45,7 +47,7 @@ def test_a_design_is_better_than_its_neighbours() -> None:
     scene = periodic(WAVES, mean_pressure=1e7)
 
     def apart(values: Any) -> tuple[float, list[float]]:
-        """Fractions of 0.5 at the first and 0.7 at the second load are wanted."""
+        """The squared distance from the wanted fractions 0.5 and 0.7, and its gradient."""
         away = np.array(values) - [0.5, 0.7]
         return float(away @ away), list(2 * away)
 
@@ -69,7 +71,9 @@ def even(scene: Scene, bounds: Any, **more: Any) -> contact.Design:
 
 
 def test_the_lowest_highest_pressure_is_that_of_several_equal_peaks() -> None:
-    """Levels t >= p_k: no small change of the data lowers all of the highest peaks."""
+    """At the optimum no small change of the data lowers all of the highest peaks.
+    The search minimizes a level t under the conditions t >= p_k for the peaks p_k.
+    """
     middle = np.array([-1e-6, 0.0, 0.0])
     size = np.array([1e-8, 2e-7, 1e-7])
     scene = Scene(contact.Fourier(1e-4, middle), 1e10, contact.Periodic(), mean_pressure=8e7)
@@ -107,7 +111,7 @@ def test_the_mean_of_the_highest_pressures_at_several_loads_is_made_small() -> N
 
 
 def test_local_maxima_of_the_pressure_have_the_derivatives_of_differences() -> None:
-    """By the adjoint equation, with fewer maxima than waves, and by the equation of each wave."""
+    """The derivatives come from adjoint equations (fewer maxima than waves), and wave by wave."""
     waves = contact.Fourier(1e-4, [-1e-6, 2e-7, 3e-7], [1e-7, 0.0, -2e-7])
 
     def peaks(profile: contact.Profile) -> Any:
@@ -139,7 +143,7 @@ def test_data_behind_a_load_curve_are_found_with_their_covariance() -> None:
     assert np.allclose(best.covariance, np.linalg.inv(slopes.T @ slopes) * 1e-18, rtol=1e-6)
 
 
-def test_what_cannot_be_designed_is_refused_by_name() -> None:
+def test_invalid_designs_are_refused_by_name() -> None:
     scene = periodic(WAVES, mean_pressure=1e7)
     over = {"profile.cosine": (-2e-6, 2e-6)}
     for words, arguments in {
@@ -170,7 +174,9 @@ def visiting(*vectors: float) -> Any:
 def test_the_best_design_that_satisfies_the_conditions_is_returned_and_not_the_last(
     number: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A wave's contact shrinks and its pressure grows with its amplitude, up to the bound."""
+    """As the amplitude grows, the contact shrinks and the largest pressure grows.
+    So 0.12 (in units of the bounds) is the best of the visited designs that are allowed.
+    """
     scene = periodic(contact.Sinusoid(1e-6, 1e-4), mean_pressure=2e7)
     over, allowed = {"profile.amplitude": (8e-7, 5e-6)}, [("max_pressure", None, 6e7)]
     for last in (0.9, 0.05):
@@ -182,7 +188,7 @@ def test_the_best_design_that_satisfies_the_conditions_is_returned_and_not_the_l
         )
 
 
-def test_a_search_that_meets_no_allowed_design_says_so() -> None:
+def test_a_search_that_finds_no_allowed_design_says_so() -> None:
     scene = periodic(contact.Sinusoid(1e-6, 1e-4), mean_pressure=2e7)
     over = {"profile.amplitude": (8e-7, 5e-6)}
     with pytest.raises(contact.NotConverged, match="no design met") as error:
@@ -203,7 +209,9 @@ STRESSED = {
 
 @pytest.mark.parametrize("name", STRESSED)
 def test_stresses_at_competing_places_have_the_derivatives_of_differences(name: str) -> None:
-    """Those of a place that yields later are exact to first order in its distance from yield."""
+    """At a place that yields at a larger load, the derivative of this load is approximate.
+    Its error is proportional to the distance from yield, so it is not compared.
+    """
     scene = periodic(UNEVEN, mean_pressure=4e6)
     problem = Problem(Variables.of(scene, WIDE), STRESSED[name], (), (4e6,), 1e-11)
     vector, step = problem.variables.start, 1e-5

@@ -1,5 +1,5 @@
-"""Scenes of one interval: the direct way has the answers of the general one, to what both state,
-and is left where anything is in doubt.
+"""One symmetric zone: the closed form has the solution of the general search.
+Both agree within their stated errors. The closed form is not used where it is in doubt.
 """
 
 import copy
@@ -25,7 +25,7 @@ PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated(datum=3.0)
 
 @dataclass(frozen=True)
 class Even(contact.Profile):
-    """Someone's own symmetric body with one tip."""
+    """A user's own symmetric profile with one tip."""
 
     b: float
     symmetric = property(lambda self: True)
@@ -40,7 +40,7 @@ class Even(contact.Profile):
 
 @dataclass(frozen=True)
 class Waves(contact.Profile):
-    """A wave and its second harmonic: one tip up to a = 1/4, two beyond."""
+    """A wave with its second harmonic: one tip for a <= 1/4, two tips for larger a."""
 
     a: float
     period: float = 1.0
@@ -61,7 +61,8 @@ class Waves(contact.Profile):
         return 2e-3 * np.pi / self.period * (np.sin(u) - 2 * self.a * np.sin(2 * u))
 
 
-# Profiles of a length and a slope, and whether they repeat.
+# Functions that make a profile from a length, a slope and a number `room`, and whether the
+# scene is periodic.
 SHAPES = {
     "wave": (lambda L, slope, room: contact.Sinusoid(slope * L, L), True),
     "lone wave": (lambda L, slope, room: contact.Sinusoid(slope * L, L), False),
@@ -79,7 +80,7 @@ SHAPES = {
 
 
 def drawn(name, rng):
-    """A scene of any size, under a load over ten decades."""
+    """A random scene of any size; the load is from a range of nine decades."""
     make, repeats = SHAPES[name]
     L, slope, E_star = 10 ** rng.uniform(-6, 1), 10 ** rng.uniform(-4, -1), 10 ** rng.uniform(0, 11)
     L = 1.0 if name == "own body" else L
@@ -92,19 +93,21 @@ def drawn(name, rng):
 
 
 def generally(scene, monkeypatch, tol=1e-7):
+    """The solution of the general search, without the closed form."""
     with monkeypatch.context() as patched:
         patched.setattr(contact.solver, "solve_closed", lambda scene, tol: None)
         return contact.solve(scene, tol)
 
 
 def unit_of(solution):
+    """The largest pressure, or the mean contact pressure if the largest is infinite."""
     peak = solution.max_pressure
     return peak if np.isfinite(peak) else solution.load / solution.zone_widths.sum()
 
 
 @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_direct_way_has_the_answer_of_the_general_one_over_ten_decades_of_load(
+def test_the_closed_form_has_the_solution_of_the_general_search_over_nine_decades_of_load(
     name, monkeypatch
 ):
     rng, direct = np.random.default_rng(list(map(ord, name))), 0
@@ -170,7 +173,7 @@ def test_the_true_error_is_at_most_the_stated_one(fraction):
 
 
 @pytest.mark.parametrize("over_merging", [1e-2, 0.5, 0.999, 1.5, 2.0, 1e3])
-def test_two_zones_are_left_to_the_general_ways_until_they_have_merged(over_merging):
+def test_two_zones_are_left_to_the_general_search_until_they_have_merged(over_merging):
     load = over_merging * IsolatedBiquadratic(1.0, 0.1, 1.0, 1.0).merging_load
     scene = contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, ISOLATED, load=load)
     found = solve_closed(scene, 1e-8)
@@ -203,7 +206,7 @@ def test_a_given_approach_and_a_load_lead_to_each_other(name, monkeypatch):
             under_load = contact.solve(scene, 1e-6)
         except contact.OutOfRange:
             continue
-        # An approach that is rounded with the heights tells no load.
+        # An approach within the round-off of the heights does not determine the load.
         told = (
             under_load.approach
             > 1e-9 * np.abs(scene.profile.height(np.array(under_load.zones))).max()
@@ -225,7 +228,7 @@ def test_a_given_approach_and_a_load_lead_to_each_other(name, monkeypatch):
     assert direct >= 2
 
 
-def test_an_approach_beyond_what_one_interval_bears_is_left_to_the_general_ways():
+def test_an_approach_of_nearly_full_contact_or_more_is_left_to_the_general_search():
     for approach in (0.999999e-3, 1.1e-3):
         assert (
             solve_closed(
@@ -236,7 +239,7 @@ def test_an_approach_beyond_what_one_interval_bears_is_left_to_the_general_ways(
 
 
 class Stuck(contact.Law):
-    """Frictionless, with a word of its own on what is found."""
+    """A frictionless law with a check of its own, which always fails."""
 
     name = "stuck"
     convex = turns = by_gaps = full_contact = True
@@ -268,19 +271,19 @@ class Stuck(contact.Law):
     ],
     ids=["turned", "layer", "lone layer", "localized", "adhesion", "nearly full", "tips unknown"],
 )
-def test_what_is_more_than_one_interval_is_left_to_the_general_ways(scene):
+def test_scenes_without_a_closed_form_are_left_to_the_general_search(scene):
     assert not isinstance(contact.solve(scene).fields, ClosedFields)
 
 
-def test_a_law_with_a_word_of_its_own_is_asked():
+def test_a_law_with_a_check_of_its_own_is_asked():
     with pytest.raises(contact.NotConverged):
         contact.solve(contact.Scene(contact.Parabola(1.0), 1.0, ISOLATED, law=Stuck(), load=1e-3))
 
 
 @dataclass(frozen=True)
 class Shouldered(contact.Profile):
-    """One tip, and shoulders on which the body touches as well, though they are no tips: a steep
-    flank beyond a flat one.
+    """A profile with one tip, and with two shoulders that touch as well under a load.
+    The shoulders have minima of the height, but are not among the declared `summits`.
     """
 
     symmetric = property(lambda self: True)
@@ -348,13 +351,18 @@ def test_one_load_and_several_at_once_have_the_same_answer(name):
 
 
 def bounded(k, half, a):
-    """Phi at half cos(a) of G = T_k on an interval beside [-1, 1]."""
+    """The density Phi at y = half cos(a), for the right-hand side G = T_k(y) on |y| < half.
+    half is close to 1.
+    """
     inside = np.polynomial.Chebyshev.basis(k)(np.polynomial.Chebyshev([0.0, half]))
     return np.sin(np.outer(a, np.arange(k + 1))) @ inside.coef
 
 
 @pytest.mark.parametrize("k", range(1, 12, 2))
-def test_pressures_follow_the_ends_no_faster_than_the_stated_error_has_it(k):
+def test_the_pressure_changes_with_the_ends_no_faster_than_the_stated_error_assumes(k):
+    """The stated error assumes that |d Phi/d half| <= k^2 for the right-hand side G = T_k.
+    At half = 1 this derivative is k (1 - cos(a) cos(k a)) / sin(a).
+    """
     a, d = np.linspace(1e-3, np.pi - 1e-3, 2001), 1e-6
     by_half = (1 - np.cos(a) * np.cos(k * a)) / np.sin(a)
     assert np.abs(by_half).max() <= k * (1 + 1e-12)
@@ -363,7 +371,7 @@ def test_pressures_follow_the_ends_no_faster_than_the_stated_error_has_it(k):
     assert grown == pytest.approx(k * by_half[some], rel=1e-6, abs=1e-6)
 
 
-def test_one_zone_costs_a_few_looks_at_its_shape(monkeypatch):
+def test_one_zone_takes_a_few_evaluations_of_the_slope(monkeypatch):
     looks, plain = [], contact.Sinusoid.slope
     monkeypatch.setattr(
         contact.Sinusoid, "slope", lambda self, x: looks.append(np.size(x)) or plain(self, x)
@@ -372,7 +380,8 @@ def test_one_zone_costs_a_few_looks_at_its_shape(monkeypatch):
     wave.slope_sizes  # noqa: B018
     looks.clear()
     solution = contact.solve(contact.Scene(wave, 1.0, PERIODIC, load=1e-3), 1e-12)
-    # Two of Newton's steps, the gap outside, and how steep it is where it touches.
+    # The slope is evaluated in two Newton steps, at samples of the gap outside the zone, and
+    # for its size in the zone.
     assert looks == [8, 8, 32, 8]
     assert (
         solution.certificate.holds
@@ -383,7 +392,7 @@ def test_one_zone_costs_a_few_looks_at_its_shape(monkeypatch):
 
 @dataclass(frozen=True)
 class Plateau(contact.Profile):
-    """A flat top between round shoulders: a narrow zone on it carries nothing."""
+    """A flat top between round shoulders; a zone inside the flat top carries no load."""
 
     period: float = 1.0
     kinks = property(lambda self: np.array([[0.5, -0.8]]))
@@ -398,7 +407,7 @@ class Plateau(contact.Profile):
 
 
 @pytest.mark.parametrize("load", [5e-324, 1e-300, 1e-200, 1e30, 1e200, 1e300])
-def test_loads_that_numbers_hardly_hold_are_answered_or_left(load):
+def test_loads_near_the_limits_of_floating_point_are_solved_or_left_to_the_general_search(load):
     for profile in (
         contact.Sinusoid(1e-3, 1.0),
         contact.Parabola(1e300),
@@ -417,15 +426,15 @@ def test_loads_that_numbers_hardly_hold_are_answered_or_left(load):
                 )
 
 
-def test_a_flat_top_is_left_to_the_general_ways():
+def test_a_flat_top_is_left_to_the_general_search():
     scene = contact.Scene(Plateau(), 1.0, PERIODIC, load=1e-3)
     assert solve_closed(scene, 1e-2) is None
-    # A series resolves the edges of the flat top slowly: the stated error is some 0.02.
+    # The series converges slowly at the edges of the flat top: the stated error is about 0.02.
     assert 0.3 < contact.solve(scene, 0.1).zones[0, 1] < 0.35
 
 
 @pytest.mark.parametrize("name", ["wave", "wedge", "parabolas"])
-def test_the_ends_of_zones_move_as_the_rates_have_it(name):
+def test_the_ends_of_zones_move_at_the_stated_rates(name):
     scene = drawn(name, np.random.default_rng(3)).under("load", 1.0)
     scene = scene.under("load", 0.1 * scene.E_star * 1e-4 * (scene.period or 1.0))
     low, here, high = (
@@ -451,7 +460,7 @@ def test_two_zones_whose_interval_comes_to_fill_the_period_are_left_to_the_gener
 @pytest.mark.parametrize("part", [1e-12, 1e-6, 1e-3, 0.1, 0.9])
 @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
 def test_an_approach_of_a_lone_parabola_has_the_closed_form_for_any_datum(datum, part):
-    """An approach is at most datum^2 / radius, at a half width of twice the datum."""
+    """The approach of a parabola is at most datum^2 / radius, at the half width 2 datum."""
     profile, alone = contact.Parabola(1.0), contact.Isolated(datum=datum)
     approach = part * datum**2
     found = contact.solve(contact.Scene(profile, 1e9, alone, approach=approach))
