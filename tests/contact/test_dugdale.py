@@ -1,5 +1,5 @@
-"""Dugdale's law, solved: against closed forms, by its equations under quadrature, towards JKR and
-towards none, with pull-off.
+"""Contacts under Dugdale's law, and their pull-off, against closed forms and quadrature.
+The limits are JKR's law for large stresses, and no adhesion for a small work of adhesion.
 """
 
 from __future__ import annotations
@@ -30,10 +30,12 @@ INSIDE = np.array([-0.95, -0.5, 0.0, 0.3, 0.9])
 
 
 def stress_of(tabor):
+    """The stress of Dugdale's law for the cylinder of radius 1 with this Tabor parameter."""
     return tabor / 4 * (np.pi**2 * W_CYLINDER) ** (1 / 3)
 
 
 def wave(stress, work=WORK, branch="advancing", **control):
+    """The solution for a wave under Dugdale's law, and its curve in closed form."""
     scene = contact.Scene(
         contact.Sinusoid(DELTA, 1.0),
         E,
@@ -45,6 +47,7 @@ def wave(stress, work=WORK, branch="advancing", **control):
 
 
 def cylinder(tabor, branch="advancing", **control):
+    """The solution for a cylinder under Dugdale's law, and its curve in closed form."""
     law = contact.Dugdale(W_CYLINDER, stress_of(tabor))
     scene = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(datum=1.0), law=law, **control)
     return contact.solve(scene, branch=branch), exact.DugdaleCylinder(
@@ -60,6 +63,7 @@ def rough(count=30, seed=1):
 
 
 def agrees(solution, reference, tol=1e-10):
+    """Asserts that a solution has the ends, fields and numbers of the closed form `reference`."""
     a, c = reference.half_width, reference.cohesive_end
     ends = max(abs(solution.zones[0, 1] - a), abs(solution.zones[0, 0] + a)) / a
     wanted = reference.pressure(INSIDE * a)
@@ -98,7 +102,7 @@ def test_the_wave_is_that_of_the_closed_form_on_either_branch(case, branch):
 
 
 @pytest.mark.parametrize("approach", [5e-3, 0.0, -5e-4])
-def test_a_held_approach_is_another_control(approach):
+def test_a_given_approach_gives_the_contact_of_the_closed_form(approach):
     solution, curve = wave(5e-3, approach=approach)
     agrees(solution, curve.at_approach(approach))
 
@@ -127,7 +131,8 @@ def test_loads_far_below_what_the_tension_bears_change_nothing(tabor, load):
 @pytest.mark.parametrize("tabor", quick([0.1, 1.0, 10.0], always=[0.1]))
 def test_pull_off_is_a_turning_point_or_where_contact_has_shrunk_to_a_point(tabor):
     solution, curve = cylinder(tabor, load=0.0)
-    # The closed form begins at a half width of about 1e-9 of the tension's.
+    # In the closed form the smallest half width of contact is about 1e-9 of that of the
+    # tension.
     assert solution.pull_off.load == pytest.approx(curve.pull_off().load, rel=1e-7)
     assert solution.pull_off.approach == pytest.approx(curve.pull_off().approach, rel=1e-7)
 
@@ -157,7 +162,7 @@ def test_large_stresses_are_adhesion_without_range_at_the_rate_of_the_strips():
     jkr = exact.JKRCylinder(1.0, E, W_CYLINDER, datum=1.0).at_load(0.0)
     found = [cylinder(tabor, load=0.0)[0] for tabor in (20.0, 40.0)]
     off = [abs(s.zones[0, 1] / jkr.half_width - 1) for s in found]
-    # The strip, pi E* w/(4 s^2) wide, is what either end differs by.
+    # The half widths differ by about the width of the strip of tension, pi E* w/(4 s^2).
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
     strip = [np.pi * E * W_CYLINDER / (4 * stress_of(tabor) ** 2) for tabor in (20.0, 40.0)]
     assert [float(s.cohesive[0, 1] - s.zones[0, 1]) for s in found] == pytest.approx(
@@ -177,8 +182,8 @@ def test_without_adhesion_left_it_is_the_frictionless_contact():
 
 
 def quadrature(solution, x, count=400):
-    """u(x) by the pressure alone: Gauss's rule in the angle on every part of every interval, ln|2
-    sin(pi (x - xi)/L)|.
+    """The displacement u(x) by the pressure, with the kernel ln|2 sin(pi (x - xi)/L)|.
+    Intervals of tension are divided at zone ends; Gauss's rule is in the angle on each part.
     """
     t, weights = np.polynomial.legendre.leggauss(count)
     theta = 0.5 * np.pi * (1 + t)
@@ -208,7 +213,8 @@ def test_a_rough_profile_obeys_its_equations_by_quadrature_of_the_pressure(stres
     scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=law, mean_pressure=2e6)
     solution = contact.solve(scene, branch=branch)
     assert solution.certificate.holds and len(solution.zones) >= 5
-    # The places lie outside the cohesive parts, where the logarithm is smooth enough for the rule.
+    # The points x lie outside the intervals of tension, where the logarithm is smooth enough
+    # for the rule.
     edges = np.concatenate(
         (solution.cohesive[:, 1], solution.cohesive[1:, 0], [solution.cohesive[0, 0] + 1e-4])
     )
@@ -224,7 +230,7 @@ def test_a_rough_profile_obeys_its_equations_by_quadrature_of_the_pressure(stres
 
 
 @pytest.mark.slow
-def test_what_advances_lies_within_what_recedes():
+def test_intervals_of_the_advancing_branch_lie_within_those_of_the_receding_branch():
     scene = contact.Scene(
         rough(), 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, 5e6), mean_pressure=2e6
     )
@@ -261,7 +267,10 @@ def test_the_work_of_the_load_is_elastic_and_surface_energy(load):
 
 
 @pytest.mark.parametrize("kind", [Load, Approach])
-def test_rates_are_those_of_moved_ends_and_symmetric(kind):
+def test_rates_are_those_of_differences_and_symmetric(kind):
+    """The Jacobian `rates` of the residuals is that of finite differences in the ends.
+    It is symmetric, and not negative off its diagonal.
+    """
     law, two = contact.Dugdale(1e-5, 2e-2), contact.Polynomial([0.02, 0.005, -1.0, 0.0, 12.5])
     scene = contact.Scene(two, E, contact.Isolated(datum=1.0), law=law, load=2e-3)
     first = np.array([[-0.23, -0.17], [0.18, 0.22]])
@@ -295,6 +304,7 @@ def test_rates_are_those_of_moved_ends_and_symmetric(kind):
 def test_the_energies_are_those_of_the_closed_form_apart_met_and_nearly_closed(
     stress, load, branch
 ):
+    """The strips of neighbouring periods are apart, or have met; or contact is nearly full."""
     solution, curve = wave(stress, branch=branch, load=load)
     reference = getattr(curve, branch)(load)
     assert solution.energy.elastic == pytest.approx(reference.elastic_energy, rel=1e-8)
@@ -316,7 +326,7 @@ def test_clausens_integral_and_the_potential_of_a_tension_have_their_slopes():
         assert slope == pytest.approx(tension.slope(x), rel=1e-7)
 
 
-def test_a_layer_comes_by_itself():
+def test_the_stiffness_of_a_layer_is_that_of_differences():
     scene = contact.Scene(
         contact.Sinusoid(1e-6, 1e-4),
         1e9,
@@ -364,7 +374,10 @@ def test_a_scene_file_names_it(tmp_path):
     assert contact.solve(scene).load == pytest.approx(-5e-4, rel=1e-12)
 
 
-def test_an_interval_that_has_lost_its_zones_begins_with_its_lowest_place():
+def test_an_interval_that_has_lost_its_zones_starts_again_from_its_lowest_point():
+    """The search for zones starts at the lowest point of an interval of tension without zones.
+    Both branches then have the same contact.
+    """
     law = contact.Dugdale(1.33e-4, 1.12e5)
     scene = contact.Scene(rough(19, 644939), 1e9, contact.Periodic(), law=law, mean_pressure=0.0)
     assert contact.solve(scene, branch="receding").zones == pytest.approx(
@@ -392,7 +405,7 @@ def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_o
         )
 
 
-def test_what_the_ends_of_the_tension_leave_open_is_named_where_it_is_too_much(monkeypatch):
+def test_an_error_of_the_ends_of_the_tension_above_the_tolerance_is_named(monkeypatch):
     monkeypatch.setattr("contact.adhesion.cohesive_branch.end_error", lambda *_: 1e-6)
     with pytest.raises(
         contact.NotConverged,
@@ -402,6 +415,7 @@ def test_what_the_ends_of_the_tension_leave_open_is_named_where_it_is_too_much(m
 
 
 def many_zones(seed=1, stress=5e6, count=60, **control):
+    """A scene with many zones: a self-affine profile under Dugdale's law."""
     profile = contact.self_affine(
         hurst=0.8, period=1e-4, shortest=1e-4 / count, rms_slope=0.02, seed=seed
     )
@@ -411,9 +425,7 @@ def many_zones(seed=1, stress=5e6, count=60, **control):
 
 
 @pytest.mark.parametrize("branch", ["advancing", pytest.param("receding", marks=pytest.mark.slow)])
-def test_a_grid_guides_the_ends_to_the_equilibrium_that_they_come_to_by_themselves(
-    branch, monkeypatch
-):
+def test_a_grid_guides_the_ends_to_the_equilibrium_that_is_found_without_it(branch, monkeypatch):
     scene = many_zones(mean_pressure=2e7)
     guided = contact.solve(scene, branch=branch)
     monkeypatch.setattr(GridGuide, "of", classmethod(lambda *given: None))
@@ -433,7 +445,7 @@ def test_ends_guided_by_a_grid_take_a_few_states(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("control", [{"mean_pressure": 2e7}, {"approach": 1.2e-7}])
-def test_a_law_without_range_leads_narrow_strips_to_where_they_come_by_themselves(
+def test_a_law_without_range_guides_narrow_strips_to_the_equilibrium_that_is_found_without_it(
     control, monkeypatch
 ):
     scene = many_zones(stress=5e7, **control)
@@ -450,7 +462,7 @@ def test_a_law_without_range_leads_narrow_strips_to_where_they_come_by_themselve
 
 
 @pytest.mark.slow
-def test_what_snaps_shut_beside_narrow_strips_does_not_drive_others_past_their_rest():
+def test_gaps_that_snap_shut_beside_narrow_strips_do_not_drive_other_ends_past_equilibrium():
     rng = np.random.default_rng(125)
     rng.integers(4, 40)
     trace, law = (
@@ -462,7 +474,8 @@ def test_what_snaps_shut_beside_narrow_strips_does_not_drive_others_past_their_r
         contact.solve(scene),
         contact.solve(replace(scene, law=contact.JKR(1.02 * law.work))),
     )
-    # Strips are a hundredth of the zones: a fiftieth more adhesion without range makes up for them.
+    # The strips are about a hundredth of the zones wide. So the zones lie inside those of JKR's
+    # law with 2 % more work of adhesion.
     assert all(np.any((more.zones[:, 0] < a) & (b < more.zones[:, 1])) for a, b in here.zones)
 
 
@@ -470,8 +483,8 @@ def test_what_snaps_shut_beside_narrow_strips_does_not_drive_others_past_their_r
 @pytest.mark.parametrize(
     "seed, kind, pressure, work, stress",
     [
-        # An interval whose zone has all but vanished as the curve turns; a gap that all but closes
-        # within one.
+        # First scene: the zone of one interval of tension has nearly vanished at the turning
+        # point of the curve. Second scene: a gap inside an interval nearly closes.
         (339, "turned", 208626890.0, 43.9684771, 6.26417572e9),
         (305, "honed", 51471104.6, 0.471628390, 6.20859683e8),
     ],
@@ -514,7 +527,8 @@ def test_a_contact_is_not_followed_to_pull_off_past_where_its_interval_is_cut():
         contact.solve(replace(scene, mean_pressure=None, load=1.01 * last))
 
 
-def test_a_zone_opens_where_what_it_bears_falls_below_zero_between_two_looks():
+def test_a_zone_splits_where_its_contact_pressure_is_negative_between_two_samples():
+    """Between two samples the contact pressure q (pressure plus tension) of a zone is negative."""
     profile, law = contact.Biquadratic(1.0, 0.2), contact.Dugdale(1e-5, 5e-3)
     solution = contact.solve(
         contact.Scene(profile, 1.0, contact.Isolated(), law=law, load=1.6675e-3)
@@ -522,7 +536,7 @@ def test_a_zone_opens_where_what_it_bears_falls_below_zero_between_two_looks():
     assert solution.certificate.holds
 
 
-def test_ends_next_to_pull_off_are_off_by_rounding_times_the_condition():
+def test_the_error_of_ends_next_to_pull_off_is_rounding_times_the_condition():
     curve = exact.DugdaleCylinder(1.0, 1.0, 1e-6, (1e-6 / np.pi) ** (1 / 3))
     load = 0.99 * curve.pull_off().load
     found = contact.solve(
@@ -534,12 +548,13 @@ def test_ends_next_to_pull_off_are_off_by_rounding_times_the_condition():
             load=load,
         )
     )
-    # Relative changes of the load move them eight times as much.
+    # A relative change of the load changes the half width by eight times as much.
     assert found.zones[0, 1] == pytest.approx(curve.at_load(load).half_width, rel=1e-13)
     assert found.error < 2e-12
 
 
-def test_the_error_of_a_wave_under_tension_everywhere_knows_that_load_and_tension_cancel():
+def test_the_error_of_a_wave_under_tension_everywhere_allows_for_cancellation_of_load_and_tension():
+    """Next to pull-off, round-off of the load is large compared with load plus tension."""
     curve = exact.DugdaleWave(
         0.01, 1.0, 1.0, 1e-5, 1e-2 * (1e-5 / np.pi) ** (1 / 3) * 0.01 ** (1 / 3)
     )
@@ -559,11 +574,10 @@ def test_the_error_of_a_wave_under_tension_everywhere_knows_that_load_and_tensio
     ("work", "pressure"),
     quick([(7e-8, 5.2e-3), (7e-8, 8e-3), (2.7e-8, 8e-3)], always=[(7e-8, 5.2e-3)]),
 )
-def test_strips_that_contact_covers_are_widened_by_what_they_are_and_not_by_their_zones(
-    work, pressure
-):
-    # Widened by a part of the zones, ends of narrow strips began far beyond their rest: "no step of
-    # the ends keeps to the branch".
+def test_strips_that_contact_covers_are_widened_in_proportion_to_their_own_width(work, pressure):
+    # Covered strips are widened in proportion to their own width. When they were widened in
+    # proportion to the zones, the ends of narrow strips started far outside the equilibrium,
+    # and the search failed: "no step of the ends keeps to the branch".
     a, c, s = 0.384, *np.array([np.cos(4.12), np.sin(4.12)])
     cosine, sine = np.array([[-2, -a * c, 2 * a * c, -a * c], [0, a * s, -2 * a * s, a * s]])
     profile = contact.Fourier(1.0, 2e-3 * cosine, 2e-3 * sine)
@@ -578,7 +592,7 @@ def test_strips_that_contact_covers_are_widened_by_what_they_are_and_not_by_thei
 
 @dataclass(frozen=True)
 class FlatTopped(contact.Profile):
-    """A wave whose tops and valleys are level: a zone within a top may be anywhere on it."""
+    """A wave with nearly level tops and valleys; a narrow zone may lie anywhere on a top."""
 
     period: float = 1.0
 
@@ -598,8 +612,9 @@ class FlatTopped(contact.Profile):
 
 @pytest.mark.slow
 def test_a_zone_on_a_level_top_beside_narrow_strips_is_followed_to_pull_off():
-    # Its position is all but neutral: states on the way were solved to the strips, which are 3e-5
-    # of it, and their rates were off by 3 %.
+    # The zone's position on the top is nearly neutral, and the strips are only 3e-5 of its
+    # width. Intermediate states that were solved less accurately than this had rates that were
+    # wrong by 3 %.
     scene = contact.Scene(
         FlatTopped(), 1.0, contact.Periodic(), law=contact.Dugdale(2.22e-7, 0.18), approach=0.0
     )
@@ -611,7 +626,8 @@ def test_a_zone_on_a_level_top_beside_narrow_strips_is_followed_to_pull_off():
 
 
 def test_pull_off_of_one_zone_takes_the_states_of_its_curve(monkeypatch):
-    # 230 states, most of them to learn again and again where there is no contact left.
+    # An earlier version took 230 states. Most of them only showed again that no contact was
+    # left.
     states = []
     real = CohesiveCurve.from_zones
     monkeypatch.setattr(
@@ -631,13 +647,15 @@ def test_pull_off_of_one_zone_takes_the_states_of_its_curve(monkeypatch):
 
 @dataclass(frozen=True)
 class Hyperbola(contact.Profile):
-    """A hyperbola whose height takes real places only, not complex ones."""
+    """A hyperbola whose height accepts real positions x only, no complex ones."""
 
     def height(self, x):
         return np.sqrt(1 + np.asarray(x, dtype=float) ** 2) - 1
 
 
 class HyperbolaWithSlope(Hyperbola):
+    """The same hyperbola with its slope."""
+
     def slope(self, x):
         return np.asarray(x, dtype=float) / np.sqrt(1 + np.asarray(x, dtype=float) ** 2)
 
@@ -645,8 +663,9 @@ class HyperbolaWithSlope(Hyperbola):
 def test_pull_off_of_a_shape_without_a_slope_is_that_of_one_with_it_and_takes_few_heights(
     monkeypatch,
 ):
-    # The derived slope was noise beside its lowest place: not solved to 1e-4, and of others contact
-    # that shrinks to a point took 40 s.
+    # In an earlier version round-off dominated the slope derived from heights near the lowest
+    # point: the scene was not solved to 1e-4. For other profiles, contact that shrinks to a
+    # point took 40 s.
     heights = []
     real = Hyperbola.height
     monkeypatch.setattr(
@@ -667,15 +686,15 @@ def test_pull_off_of_a_shape_without_a_slope_is_that_of_one_with_it_and_takes_fe
 
 @dataclass(frozen=True)
 class TwoWells(contact.Profile):
-    """Two equal tips."""
+    """A profile with two equal tips."""
 
     def height(self, x):
         return 1e-2 * (np.asarray(x) ** 2 - 1) ** 2
 
 
 def test_two_equal_tips_that_touch_last_are_found():
-    # They were looked for in the middle between them: "the place where the surfaces touch last was
-    # not found".
+    # An earlier version sought the last point of contact in the middle between the tips: "the
+    # place where the surfaces touch last was not found".
     scene = contact.Scene(
         TwoWells(), 1.0, contact.Isolated(datum=1.0), law=contact.Dugdale(5e-7, 3.466e-4), load=1e-5
     )
@@ -686,10 +705,11 @@ def test_two_equal_tips_that_touch_last_are_found():
 
 
 @pytest.mark.slow
-def test_a_zone_that_snaps_shut_among_a_hundred_is_led_to_its_width_by_a_law_without_range(
+def test_a_zone_that_snaps_wider_among_a_hundred_is_guided_to_its_width_by_a_law_without_range(
     monkeypatch,
 ):
-    # 17 states, of which five widened one new interval; and pull-off went the whole way down twice.
+    # An earlier version took 17 states, five of them to widen one new interval. It also
+    # followed the whole curve down to pull-off twice.
     base = contact.load_scene(Path(__file__).parents[2] / "examples" / "stylus.toml")
     profile = base.profile.varied({"profile": {"taper": 0.05}})
     scene = replace(
@@ -716,9 +736,9 @@ def test_a_zone_that_snaps_shut_among_a_hundred_is_led_to_its_width_by_a_law_wit
 
 
 @pytest.mark.slow
-def test_ends_that_others_drive_outward_as_tension_lets_go_of_all_of_a_period_come_to_rest():
-    # Under a held approach: what is lost in one place raises the surface in others, where gaps
-    # close again.
+def test_ends_that_other_ends_drive_outward_on_the_receding_branch_come_to_equilibrium():
+    # The approach is given: where tension is lost, the surface elsewhere rises, and gaps close
+    # again there.
     heights = [
         193,
         65,

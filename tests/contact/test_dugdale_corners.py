@@ -1,5 +1,6 @@
-"""A tension of finite range between sharp corners: held to the closed forms of punches, to the
-potential of the pressure, to the energy.
+"""Dugdale's law for bodies with sharp corners.
+The solutions are checked against closed forms of punches, the potential of the pressure, and
+the balance of energy.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ def solve(profile, branch="advancing", law=LAW, substrate=None, **control):
 
 
 def turned(a=1.0, slope=2e-4, bend=0.0, period=None):
-    """A punch that ends in sharp corners at -a and a, turned by a slope, and bent."""
+    """A punch with sharp corners at -a and a, tilted by `slope` and curved by `bend`."""
     beyond = (
         contact.Polynomial([0.0, slope, bend])
         if period is None
@@ -37,8 +38,8 @@ def turned(a=1.0, slope=2e-4, bend=0.0, period=None):
 
 
 def opened(b, stress):
-    """The gap at the corner 1 of a punch that touches from -b to b, between these under tension
-    (Baney & Hui 1997, without a cylinder).
+    """The gap at the corner x = 1 of a flat punch with contact on |x| < b.
+    The tension acts from |x| = b to 1 (Baney & Hui 1997, with no curvature of the cylinder).
     """
     m = 1 / b
     root = sqrt(m * m - 1)
@@ -46,7 +47,10 @@ def opened(b, stress):
 
 
 def let_go(work, stress):
-    """Load at which a punch from -1 to 1 comes off: its corners let go, or all of it is pulled."""
+    """The pull-off load of a flat punch on |x| < 1.
+    At pull-off the gap at the corners is the reach, or else contact has shrunk to a point and
+    the tension acts on the whole punch.
+    """
     if opened(1e-9, stress) < work / stress:
         return -2 * stress
     b = brentq(lambda b: opened(b, stress) - work / stress, 1e-9, 1 - 1e-12, xtol=1e-15)
@@ -56,6 +60,9 @@ def let_go(work, stress):
 @pytest.mark.parametrize("branch", ["advancing", "receding"])
 @pytest.mark.parametrize("part", [0.5, 0.0, -0.5])
 def test_a_flat_punch_bears_as_one_and_opens_from_its_corners_once_it_is_pulled(part, branch):
+    """Under compression the punch has the pressure without adhesion.
+    Under a pull, strips of tension open from the corners.
+    """
     load = part * 2 * STRESS * 0.6
     solution = solve(contact.Flat(2.0), branch, load=load)
     b = sqrt(1 - (load / (2 * STRESS)) ** 2) if part < 0 else 1.0
@@ -117,8 +124,8 @@ def test_large_stresses_come_to_adhesion_without_range_as_their_strips():
 
 
 def residual(solution):
-    """u + f - approach - gap on zones, on strips and beside them, over the reach: u from the
-    pressure by Gauss's rule in the angle.
+    """The largest |u + f - approach - gap| over the reach, at points of zones, strips and gaps.
+    The displacement u is computed from the pressure, by Gauss's rule in the angle.
     """
     profile, period = solution.scene.profile, solution.scene.profile.period
     lo, hi = profile.support
@@ -204,7 +211,8 @@ def test_another_stress_does_not_obey_that_equation():
 def test_the_energies_change_by_the_work_of_the_load(body, load):
     step = 2e-6
     low, here, high = (solve(turned(*body), load=load + k * step) for k in (-1, 0, 1))
-    # int P d approach by parts, and Simpson's rule in the load.
+    # The work, the integral of P d(approach), by parts; the integral over the load is by
+    # Simpson's rule.
     work = (
         high.load * high.approach
         - low.load * low.approach
@@ -214,6 +222,9 @@ def test_the_energies_change_by_the_work_of_the_load(body, load):
 
 
 def test_a_loop_of_a_punch_loses_what_closing_gives_and_what_opening_takes():
+    """The jump into contact loses the work of adhesion on the whole width 2.
+    The work of the load over the loop is the dissipated energy.
+    """
     scene = contact.Scene(contact.Flat(2.0), E, contact.Isolated(datum=10.0), law=LAW, load=-1e-3)
     loop = contact.path(scene, [-1e-3, 1e-3, -1e-3])
     first, last = loop.events
@@ -224,7 +235,7 @@ def test_a_loop_of_a_punch_loses_what_closing_gives_and_what_opening_takes():
 
 
 @pytest.mark.slow
-def test_ends_of_the_tension_come_to_corners_and_leave_them_on_the_way():
+def test_ends_of_the_tension_reach_corners_and_leave_them_along_a_path():
     scene = contact.Scene(
         turned(0.7, 3e-4, 1e-3), E, contact.Isolated(datum=10.0), law=LAW, load=0.0
     )
@@ -232,7 +243,10 @@ def test_ends_of_the_tension_come_to_corners_and_leave_them_on_the_way():
     assert kinds[-1] == "pull-off" and "held" in kinds and "freed" in kinds
 
 
-def test_an_end_spread_over_a_zone_has_the_mean_of_its_potentials():
+def test_an_end_spread_over_a_zone_has_the_means_of_potentials():
+    """`SpreadEnd` returns means of ln|x - xi| and its antiderivatives over the zone.
+    The points xi are spread with the equilibrium measure of the zone.
+    """
     zone, period = SpreadEnd(0.1, 0.7), 1.3
     xi = zone.middle + zone.half * np.cos((np.arange(4000) + 0.5) * pi / 4000)
 
@@ -255,7 +269,7 @@ def test_an_end_spread_over_a_zone_has_the_mean_of_its_potentials():
 
 @dataclass(frozen=True)
 class Rough(contact.Profile):
-    """A rough body between sharp corners, in a row."""
+    """A periodic row of rough bodies with sharp corners."""
 
     def height(self, x):
         x = np.asarray(x, dtype=float) - np.round(x)
@@ -274,6 +288,6 @@ class Rough(contact.Profile):
 
 
 @pytest.mark.slow
-def test_strips_beside_corners_may_be_as_narrow_as_they_come():
+def test_strips_beside_corners_may_be_very_narrow():
     solution = solve(Rough(), law=contact.Dugdale(6.8e-9, 4.2e-3), load=0.0)
     assert solution.certificate.holds and solution.error < 1e-8

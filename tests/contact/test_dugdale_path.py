@@ -1,6 +1,4 @@
-"""Paths under a tension of finite range: jumps where the closed forms have them, and all energy
-accounted for.
-"""
+"""Paths under Dugdale's law: jumps against closed forms, and the balance of energy."""
 
 from __future__ import annotations
 
@@ -54,12 +52,14 @@ def body(name, size):
 
 @lru_cache
 def loop(name, size, held):
+    """The closed path of a body under a control: load, approach or a spring."""
     scene = body(name, size)[0]
     kwargs = {"stiffness": STIFF[name]} if held == "spring" else {"control": held}
     return contact.path(scene, VALUES[name][held], **kwargs)
 
 
 def value(state, held, name):
+    """The value of the control in a state: load, approach, or position of the spring."""
     return {
         "load": state.load,
         "approach": state.approach,
@@ -68,8 +68,8 @@ def value(state, held, name):
 
 
 def work(curve, first, last):
-    """int P d(approach) between two ends c of the tension, by Gauss's rule on P(c) and approach(c)
-    alone.
+    """The work int P d(approach) between two ends c of the tension, from the closed forms.
+    The integral is by parts: Gauss's rule in c for approach(c) dP/dc.
     """
     t, weights = np.polynomial.legendre.leggauss(40)
     c = 0.5 * (first + last) + 0.5 * (last - first) * t
@@ -109,8 +109,8 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(name, size, held)
     )
     assert jump_in.after[0, 1] == pytest.approx(curve.at(of[first]).half_width, rel=1e-9)
     on = curve.at(of[first])
-    # On the curve, on the jumps' straight lines, and of a dead load until no approach holds any
-    # more.
+    # The work on the curve in closed form, and on the straight lines of the jumps. Under a
+    # given load the work continues from its pull-off to the pull-off under a given approach.
     done = work(curve, of[first], of[top_value]) + work(curve, of[top_value], off.cohesive_end)
     if held == "load":
         done += off.load * (curve.pull_off(0.0).approach - off.approach)
@@ -123,9 +123,10 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(name, size, held)
     assert jump_in.lost > 0.0 < pull_off.lost
 
 
-def test_surfaces_that_only_pull_are_followed_under_a_held_approach():
-    """A soft cylinder: its tension begins at the reach, touches smoothly, and lets go at a fold,
-    all in closed form without contact.
+def test_surfaces_under_tension_without_contact_are_followed_under_a_given_approach():
+    """A cylinder with a small Tabor parameter, under a given approach.
+    Tension begins where the gap is the reach, contact begins without a jump, and tension ends
+    at a fold. All values have closed forms of the states without contact.
     """
     scene, _ = body("cylinder", 0.01)
     found = contact.path(scene, [-0.1, 1e-3, -0.01, -0.1], control="approach")
@@ -165,7 +166,7 @@ def test_surfaces_that_only_pull_are_followed_under_a_held_approach():
 
 
 @pytest.mark.slow
-def test_full_contact_closes_and_opens_without_a_loss_and_lets_go_where_the_valley_comes_to_the_reach():
+def test_full_contact_has_no_loss_and_strips_jump_apart_where_the_gap_of_the_valley_is_the_reach():
     scene, curve = body("wave", 5e-3)
     found = contact.path(scene, [0.0, 0.04, 0.0])
     assert [event.kind for event in found.events] == ["jump", "full", "open", "jump"]
@@ -206,13 +207,14 @@ def test_zones_within_one_interval_of_tension_meet_and_part_at_one_load_without_
     assert merge.lost == split.lost == 0.0 and found.work == pytest.approx(0.0, abs=1e-14)
     assert len(merge.before) == 2 and merge.position == 0.0
     assert merge.before[0, 1] == merge.before[1, 0] == pytest.approx(0.0, abs=1e-9)
-    # Of one zone there the pressure above the tension is zero.
+    # The merged zone touches in its middle without contact pressure: the pressure there is that
+    # of the tension.
     touching = contact.solve(replace(pair, load=merge.value * (1 + 1e-9)), branch="receding")
     assert touching.pressure(0.0) == pytest.approx(-5e-3, rel=1e-5)
 
 
 @pytest.mark.slow
-def test_a_large_stress_jumps_and_parts_as_adhesion_without_range():
+def test_a_large_stress_has_the_jumps_of_adhesion_without_range():
     scene, _ = body("cylinder", 20.0)
     found, jkr = (
         loop("cylinder", 20.0, "load"),
@@ -226,7 +228,7 @@ def test_a_large_stress_jumps_and_parts_as_adhesion_without_range():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("stress", [1e5, 1e6, 1e7])
-def test_a_rough_loop_is_closed_in_energy_and_its_smooth_pieces_are_by_quadrature(stress):
+def test_a_rough_loop_is_closed_in_energy_and_its_smooth_pieces_agree_with_quadrature(stress):
     rng = np.random.default_rng(0)
     k, phase = np.arange(1, 7), rng.uniform(0, 2 * np.pi, 6)
     profile = contact.Fourier(1e-4, 1e-7 / k * np.cos(phase), 1e-7 / k * np.sin(phase))

@@ -1,4 +1,4 @@
-"""Sums over the ends of many intervals are what they are one by one."""
+"""Fast sums over the ends of many intervals agree with direct sums."""
 
 import mpmath
 import numpy as np
@@ -12,6 +12,7 @@ PERIOD = 7.0
 
 
 def ends_of(kind, rng):
+    """Ascending ends of intervals: equidistant, partly clustered, or random."""
     if kind == "even":
         return np.linspace(0.0, 6.5, 60)
     if kind == "clustered":
@@ -22,6 +23,7 @@ def ends_of(kind, rng):
 
 
 def places_of(ends, rng):
+    """Random points; half of them are next to ends."""
     beside = rng.choice(ends, 60) + 10.0 ** rng.uniform(-12, -1, 60) * rng.choice((-1.0, 1.0), 60)
     return np.concatenate((beside, rng.uniform(-0.4, 6.9, 60)))
 
@@ -41,7 +43,7 @@ def exactly(x, ends, period):
     ("kind", "period", "longest"),
     diagonal(["even", "clustered", "random"], [PERIOD, None], [np.inf, 0.3]),
 )
-def test_they_are_what_they_are_one_by_one(kind, period, longest):
+def test_fast_sums_agree_with_direct_sums(kind, period, longest):
     rng = np.random.default_rng(3)
     ends = ends_of(kind, rng)
 
@@ -52,14 +54,15 @@ def test_they_are_what_they_are_one_by_one(kind, period, longest):
     x = places_of(ends, rng)
     found = EndSum(Cells(ends, period, longest), np.tile((1.0, -1.0), len(ends) // 2), log)(x)
     wanted = np.array([exactly(place, ends, period) for place in x])
-    # Rounding of a place is felt by the ends near by.
+    # Round-off of a point x changes the logarithm of an end by eps * PERIOD over the distance
+    # from this end.
     near = np.abs(sie.nearest_image(x[:, None] - ends, 0.0, period))
     assert np.all(
         np.abs(found - wanted) <= 1e-13 + 8 * np.finfo(float).eps * PERIOD / near.min(axis=1)
     )
 
 
-def test_ends_far_off_are_not_looked_at_for_each_place():
+def test_distant_ends_are_not_summed_for_each_point():
     rng = np.random.default_rng(5)
     ends, lags = np.sort(rng.uniform(0.0, 6.5, 400)), []
 
@@ -70,6 +73,7 @@ def test_ends_far_off_are_not_looked_at_for_each_place():
     total = EndSum(Cells(ends, None, np.inf), np.tile((1.0, -1.0), 200), log)
     x = rng.uniform(ends[0], ends[-1], 100_000)
     total(x)
+    # The first evaluation, above, computed the series of the cells. The second one is counted.
     del lags[:]
     total(x)
     assert sum(lags) < 8 * len(x)

@@ -1,5 +1,5 @@
-"""Whole loops of rough surfaces that adhere: the work of the load by Gauss's rule, from solutions
-between the events, is what was lost.
+"""Closed loops of rough surfaces with adhesion: the work of the load is the energy lost.
+The work is computed by Gauss's rule from solutions between the events.
 """
 
 import numpy as np
@@ -9,8 +9,9 @@ import contact
 from contact.studies.trace_kinds import drawn
 
 POINTS, STIFFNESS = 20, 1e9
-# On every piece of a curve the values of the control end like a square at a turn: in the angle
-# whose sine they are the square of the integrand is smooth there.
+# At a turning point of the curve the integrand has a square root of the distance in the
+# control. With the share sin^2(angle) of the way from one end of a piece to the other, the
+# integrand is smooth in the angle.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
 ANGLE = 0.25 * np.pi * (NODES + 1)
 SHARE, WEIGHT = np.sin(ANGLE) ** 2, 0.25 * np.pi * WEIGHTS * np.sin(2 * ANGLE)
@@ -24,8 +25,8 @@ HELD = {
 
 
 def pieces(loop, held):
-    """((value, load, approach) at both ends of each piece between events, work of the load in the
-    jumps between them).
+    """The smooth pieces between events, and the work of the load in the jumps.
+    A piece is given by (value, load, approach) at both of its ends.
     """
     found, jumps = [], 0.0
     for k in range(1, len(loop.values)):
@@ -41,7 +42,7 @@ def pieces(loop, held):
 
 
 def work(held, at, to, inner):
-    """int P d(approach) on a piece; none is done on surfaces apart."""
+    """The work int P d(approach) on a piece; it is zero if the surfaces are apart."""
     if not any(solution.load for solution in inner):
         return 0.0
     moved, load = (to[0] - at[0]) * WEIGHT, np.array([solution.load for solution in inner])
@@ -74,16 +75,16 @@ def test_the_work_of_the_load_over_a_loop_by_quadrature_is_what_its_jumps_lose(l
     )
     for k, (at, to) in enumerate(found):
         total += work(held, at, to, between.solutions[1 + POINTS * k : 1 + POINTS * (k + 1)])
-    # The rule's own error at 20 points is 1e-11; at 10 it is 1e-6.
+    # The error of the rule is 1e-11 with 20 points and 1e-6 with 10 points.
     assert total == pytest.approx(loop.dissipated, rel=1e-9) and loop.work == pytest.approx(
         loop.dissipated, rel=1e-12
     )
 
 
 @pytest.mark.slow
-def test_a_step_with_two_extremes_of_its_control_is_not_taken_for_one_with_one():
-    # The surfaces are drawn apart by the approach after their pull-off: two turns of that curve are
-    # near one another.
+def test_a_step_over_two_turning_points_is_not_taken_for_a_step_over_one():
+    # After pull-off the surfaces are drawn apart by the approach. Two turning points of that
+    # curve are close to each other.
     profile = drawn(np.random.default_rng(4), "turned", 300)
     law, pressure = contact.Dugdale(0.08145729947206055, 1823005540.8403118), 1001345.1073676093
     scene = contact.Scene(profile, 2.3e11, contact.Periodic(), law=law, mean_pressure=0.0)
