@@ -1,4 +1,4 @@
-"""Printed solutions: numbers with units and stated errors, and the zones, for every kind of scene."""
+"""Printed solutions: numbers with units and stated errors, and zones, for each kind of scene."""
 
 from __future__ import annotations
 

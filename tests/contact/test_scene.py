@@ -1,4 +1,4 @@
-"""A scene is one contact problem in full, or it is refused by the name of what is wrong with it."""
+"""A scene is a complete contact problem, or it is refused with the name of the wrong argument."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class TestEStar:
         with pytest.raises(contact.SceneError, match="E1"):
             contact.E_star(modulus, 0.3)
 
-    def test_half_a_counter_body_is_refused_by_the_half_that_is_missing(self):
+    def test_one_constant_of_a_counter_body_is_refused_by_the_missing_one(self):
         with pytest.raises(contact.SceneError, match="nu2"):
             contact.E_star(210e9, 0.3, E2=1e9)
         with pytest.raises(contact.SceneError, match="E2"):
@@ -120,7 +120,7 @@ class TestPeriod:
             "interaction", profile=HERTZ, interaction=interaction, load=1.0
         )
 
-    def test_the_period_is_that_of_the_solution_so_that_one_cell_taken_alone_has_none(self):
+    def test_the_period_is_that_of_the_solution_and_an_isolated_cell_has_none(self):
         assert scene(load=1.0).period == L
         assert scene(load=1.0, interaction=contact.Localized()).period == L
         assert scene(load=1.0, interaction=contact.Isolated()).period is None
@@ -145,12 +145,12 @@ class TestHalfWidth:
 
 
 class TestParts:
-    def test_a_class_in_place_of_an_object_is_told_to_be_called(self):
+    def test_a_class_in_place_of_an_object_is_refused_with_a_hint(self):
         assert "Periodic(...)" in refused("interaction", interaction=contact.Periodic, load=1.0)
         assert "Sinusoid(...)" in refused("profile", profile=contact.Sinusoid, load=1.0)
 
     @pytest.mark.parametrize("wrong", [None, "periodic", 1.0, {"model": "periodic"}])
-    def test_what_is_no_profile_or_interaction_is_refused(self, wrong):
+    def test_objects_that_are_no_profile_or_interaction_are_refused(self, wrong):
         refused("interaction", interaction=wrong, load=1.0)
         refused("profile", profile=wrong, load=1.0)
 
@@ -162,7 +162,7 @@ class TestParts:
         assert one != scene(load=2.0)
         assert hash(one) == hash(scene(load=1.0))
 
-    def test_another_control_replaces_the_one_there_was(self):
+    def test_another_control_replaces_the_previous_one(self):
         one = scene(load=1.0)
         assert dataclasses.replace(one, load=None, mean_pressure=2e7).control == (
             "mean_pressure",
@@ -172,7 +172,7 @@ class TestParts:
             dataclasses.replace(one, mean_pressure=2e7)
 
 
-def test_a_scene_under_another_control_is_the_one_made_so_and_checked_like_it():
+def test_under_returns_and_checks_the_scene_with_another_control():
     wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), mean_pressure=1e6)
     assert wave.under("load", 3.0) == contact.Scene(
         contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=3.0

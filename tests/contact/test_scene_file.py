@@ -1,6 +1,4 @@
-"""A scene file says what the Python call says, and every fault in it is refused by file, table and
-key.
-"""
+"""A scene file gives the scene of the Python call; errors name the file, table and key."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ GOOD = {
 
 
 def write(folder, **tables):
-    """A scene file of the good tables with some changed; None leaves a table out."""
+    """The path of a scene file with the tables GOOD, some of them changed; None omits a table."""
     text = "\n".join(
         f"[{name}]\n{body}" for name, body in {**GOOD, **tables}.items() if body is not None
     )
@@ -247,7 +245,7 @@ class TestWhatIsRefused:
             ("control", "half_width = 1e-4", "half_width"),
         ],
     )
-    def test_a_value_that_cannot_be_by_its_field(self, tmp_path, table, body, field):
+    def test_an_invalid_value_by_its_field(self, tmp_path, table, body, field):
         assert field in refused(write(tmp_path, **{table: body}))
 
     @pytest.mark.parametrize(
@@ -278,7 +276,7 @@ class TestWhatIsRefused:
         with pytest.raises(contact.SceneError, match="^path = .* the name of a scene file"):
             contact.load_scene(path)
 
-    def test_a_name_that_no_file_has(self):
+    def test_an_impossible_file_name(self):
         with pytest.raises(contact.SceneError, match="cannot be read"):
             contact.load_scene("a\0b")
 

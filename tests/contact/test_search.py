@@ -1,6 +1,4 @@
-"""The grid contact and the zones read off it: closed forms, complementarity, inverse controls,
-iteration counts.
-"""
+"""Contact on a grid and its zones: closed forms, complementarity, controls, iteration counts."""
 
 from __future__ import annotations
 
@@ -32,7 +30,7 @@ CELL = (-0.5, 0.5)
 
 @pytest.fixture
 def nested(monkeypatch: pytest.MonkeyPatch) -> list[GridState]:
-    """All grids that are solved."""
+    """The states of all grids that are solved, in their order."""
     found: list[GridState] = []
 
     def kept(*arguments: Any, **options: Any) -> GridState:
@@ -59,7 +57,7 @@ def sinusoid(at: float = 0.0) -> Shape:
 
 
 def westergaard_load(a: float) -> float:
-    """Johnson (1985), 13.7: mean pressure pi E Delta / L sin^2(pi a / L), Delta = L = 1."""
+    """The mean pressure pi E Delta / L sin^2(pi a / L) for Delta = L = 1 (Johnson 1985, 13.7)."""
     return float(np.pi * E * np.sin(np.pi * a) ** 2)
 
 
@@ -68,12 +66,15 @@ def hertz_load(a: float, radius: float) -> float:
 
 
 def hertz_level(a: float, radius: float, datum: float) -> float:
-    """u(0) under the Hertz pressure: -(2P / pi E) <ln|x|/d> = (2P / pi E) (ln(2d/a) + 1/2)."""
+    """u(0) under the Hertz pressure with the datum d: (2P / pi E) (ln(2d/a) + 1/2).
+
+    It is -(2P / pi E) times the mean of ln|x/d|, weighted with the pressure.
+    """
     return float(2.0 * hertz_load(a, radius) / (np.pi * E) * (np.log(2.0 * datum / a) + 0.5))
 
 
 def rough(waves: int, seed: int, hurst: float = 0.8) -> Shape:
-    """Self-affine with a sharp cut-off: amplitudes k^-(H + 1/2), random phases."""
+    """Self-affine heights with random phases: amplitudes k^-(H + 1/2), cut off at k = waves."""
     rng = np.random.default_rng(seed)
     k = np.arange(1, waves + 1)
     amplitude, phase = k ** -(hurst + 0.5), 2.0 * np.pi * rng.random(waves)
@@ -81,7 +82,7 @@ def rough(waves: int, seed: int, hurst: float = 0.8) -> Shape:
     def height(x: Array) -> Array:
         n = len(x)
         spectrum = np.zeros(n // 2 + 1, dtype=complex)
-        kept = k <= n // 2  # coarse grids see the long waves only
+        kept = k <= n // 2  # coarse grids have only the long waves
         shift = 2.0 * np.pi * k[kept] * x[0]
         spectrum[k[kept]] = 0.5 * n * amplitude[kept] * np.exp(1j * (phase[kept] + shift))
         return np.asarray(np.fft.irfft(spectrum, n))
@@ -90,8 +91,9 @@ def rough(waves: int, seed: int, hurst: float = 0.8) -> Shape:
 
 
 def end_errors(n: int, a: float, periodic: bool) -> float:
-    """Worst end error over positions of the tip within a cell (the tip at a grid point is a lucky
-    case).
+    """The largest end error over several positions of the tip within a cell of the grid.
+
+    The error is exceptionally small if the tip is at a grid point.
     """
     h, x, worst = 1.0 / n, midpoints(n), 0.0
     for offset in np.linspace(0.0, 1.0, 7):
@@ -169,7 +171,7 @@ def test_the_isolated_influence_of_a_uniform_pressure_is_the_closed_logarithmic_
     "size", [7, 12, 5001, 1 << 14, 150_001, 150_002, 150_000, 9 << 14, 7 << 17]
 )
 @pytest.mark.parametrize("threads", ["1", "3"])
-def test_factors_of_waves_act_as_by_one_long_transform(
+def test_factors_of_waves_act_like_one_long_transform(
     size: int, threads: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("OMP_NUM_THREADS", threads)
@@ -193,7 +195,7 @@ def test_a_zone_across_the_border_is_listed_once_by_its_left_end(at: float) -> N
     assert np.cos(2 * np.pi * (0.5 * (left + right) - at)) == pytest.approx(1.0, abs=1e-4)
 
 
-def test_a_biquadratic_touches_at_two_tips_and_a_heavier_one_in_one_zone() -> None:
+def test_a_biquadratic_touches_at_two_tips_and_in_one_zone_under_a_heavier_load() -> None:
     def height(x: Array) -> Array:
         return x**4 / 8.0 - x**2 / 4.0
 
@@ -202,7 +204,7 @@ def test_a_biquadratic_touches_at_two_tips_and_a_heavier_one_in_one_zone() -> No
     assert two.zones.shape == (2, 2)
     assert np.allclose(two.zones, -two.zones[::-1, ::-1], atol=1e-9)
     a, b = two.zones[1]
-    assert a**2 + b**2 == pytest.approx(2.0, abs=8 / two.points)  # isolated (38): exact
+    assert a**2 + b**2 == pytest.approx(2.0, abs=8 / two.points)  # exact by equation (38), isolated
     heavy = find_window(height, Response(E, False), load=2.0)
     assert propose(height, heavy, Response(E, False), load=2.0).zones.shape == (1, 2)
 
@@ -276,14 +278,14 @@ def test_an_approach_past_its_isolated_maximum_is_refused() -> None:
     n = 512
     x = midpoints(n, (-4.0, 4.0))
     influence = Influence.isolated(n, 8 / n, E, datum=1.0)
-    largest = hertz_level(2.0, 1.0, 1.0)  # Hertz: at a = 2 datum
+    largest = hertz_level(2.0, 1.0, 1.0)  # the maximum for Hertz, at a = 2 datum
     state = solve_grid(x**2 / 2.0, influence, level=0.98 * largest)
     assert state.load < hertz_load(2.0, 1.0)
     with pytest.raises(OutOfRange):
         solve_grid(x**2 / 2.0, influence, level=1.01 * largest)
 
 
-def test_full_contact_is_said_and_has_no_gap_and_no_ends() -> None:
+def test_full_contact_is_recognized_and_has_no_gap_and_no_ends() -> None:
     found = propose(sinusoid(), CELL, Response(E), load=1.1 * np.pi * E, resolution=1.0)
     assert found.full and narrowest(found.state) >= NARROW
     assert found.zones.shape == (0, 2)
@@ -304,7 +306,7 @@ def test_a_small_gap_is_not_taken_for_full_contact(gap: float) -> None:
 
 
 @pytest.mark.parametrize("a", [1e-2, 1e-3, 1e-4, 1e-6])
-def test_small_zones_are_found_by_refinement_and_below_it_by_hertz(a: float) -> None:
+def test_small_zones_are_found_by_refinement_and_smaller_ones_by_hertz(a: float) -> None:
     found = propose(sinusoid(), CELL, Response(E), load=westergaard_load(a), resolution=1.0)
     assert (narrowest(found.state) >= NARROW) == (a > 1e-5)
     assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.3 * a)
@@ -312,9 +314,10 @@ def test_small_zones_are_found_by_refinement_and_below_it_by_hertz(a: float) -> 
 
 @pytest.mark.parametrize("offset", [0.0, 0.25, 0.5])
 @pytest.mark.parametrize("part", [0.1, 0.25, 0.4])
-def test_a_gap_between_two_points_of_the_grid_is_seen(part: float, offset: float) -> None:
-    """A biquadratic just before its zones merge (isolated (38), a^2 + b^2 = 2): its gap of half
-    width a touches no point.
+def test_a_gap_narrower_than_a_cell_is_found(part: float, offset: float) -> None:
+    """Just before the two zones of a biquadratic merge, their gap is narrower than a cell.
+
+    The gap has the half width a, and a^2 + b^2 = 2 by equation (38) for isolated contact.
     """
     n, window = 256, (-4.0, 4.0)
     x, h = midpoints(n, window), 8.0 / n
@@ -334,7 +337,7 @@ def test_a_gap_between_two_points_of_the_grid_is_seen(part: float, offset: float
 def test_a_zone_narrower_than_a_cell_is_found_in_its_place(
     offset: float, excess: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Three harmonics just after the second zone was born, at a load near 158,222 N/m."""
+    """A profile of three harmonics just above the load at which its second zone begins."""
     few = dataclasses.replace(nested_grids.OPTIONS, many_features=0)
     monkeypatch.setattr(nested_grids, "OPTIONS", few)
     period, E, load = 1e-4, 1e11, 158222.1 * (1 + excess)
@@ -356,7 +359,7 @@ def test_a_zone_narrower_than_a_cell_is_found_in_its_place(
     assert 0.5 < np.diff(found.zones[1])[0] / np.diff(zone)[0] < 2.0
 
 
-def test_such_a_gap_is_seen_wherever_a_period_begins() -> None:
+def test_a_gap_narrower_than_a_cell_is_found_wherever_a_period_begins() -> None:
     n = 512
     x = midpoints(n)
     f = 0.1 * np.cos(2 * np.pi * x) - 0.05 * np.cos(6 * np.pi * x)
@@ -367,7 +370,7 @@ def test_such_a_gap_is_seen_wherever_a_period_begins() -> None:
             between_points=True,
         )
         assert len(zones) == 3
-        # As a grid of 4,096 points has it.
+        # A grid of 4,096 points gives the gap the half width 0.00083.
         from_gap = (zones - shift / n) % 1.0 - 0.5
         assert np.abs(from_gap).min() == pytest.approx(0.00083, abs=2e-4)
 
@@ -390,8 +393,9 @@ def test_points_outside_the_support_never_touch_and_sharp_ends_keep_their_place(
 def test_iterations_on_a_rough_profile_do_not_grow_with_the_grid(
     load: float, nested: list[GridState]
 ) -> None:
-    """One shape per size, as rough as the grid allows; the whole sequence of nested grids is
-    counted.
+    """The profile for each grid is as rough as the grid resolves.
+
+    The iterations on all nested grids are counted.
     """
     counts = []
     for n in (2**10, 2**12, 2**14):
@@ -402,7 +406,7 @@ def test_iterations_on_a_rough_profile_do_not_grow_with_the_grid(
     assert counts[-1] < 2.0 * counts[0]
 
 
-def test_the_work_from_no_start_is_bounded_on_a_rough_profile_of_16384_points() -> None:
+def test_the_work_without_a_start_is_bounded_on_a_rough_profile_of_16384_points() -> None:
     n = 2**14
     state = solve_grid(rough(n // 16, 8)(midpoints(n)), Influence.periodic(n, 1 / n, E), load=1.0)
     assert_complementary(state)
@@ -422,7 +426,7 @@ def flat_with_needles(n: int) -> Array:
 @pytest.mark.parametrize(
     ("load", "tol", "periodic"), diagonal([1e-4, 2e-5, 1e-5], [1e-3, 1e-5], [True, False])
 )
-def test_on_a_flat_below_needles_ends_move_by_more_than_a_cell_in_a_linear_solve(
+def test_a_flat_top_with_needles_converges_in_few_iterations_from_any_start(
     load: float, tol: float, periodic: bool
 ) -> None:
     n = 2**15
@@ -440,7 +444,7 @@ def test_on_a_flat_below_needles_ends_move_by_more_than_a_cell_in_a_linear_solve
 
 
 @pytest.mark.parametrize(("seed", "fraction"), [(1, 0.05), (4, 0.02), (7, 0.005), (10, 0.02)])
-def test_where_the_width_jumps_with_the_load_the_nearest_of_the_fine_grids_is_proposed(
+def test_of_the_finest_grids_the_one_nearest_to_the_given_fraction_is_proposed(
     seed: int, fraction: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tried: list[nested_grids.Proposal] = []
@@ -519,7 +523,7 @@ def test_a_window_is_found_from_the_approach(datum: float, ratio: float) -> None
     assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.05 * a)
 
 
-def test_limits_are_kept_and_a_contact_that_reaches_them_says_so() -> None:
+def test_a_window_keeps_to_its_limits_and_a_contact_that_reaches_them_is_reported() -> None:
     limits = (-1.0, 1.0)
     assert find_window(lambda x: x**2 / 2, Response(E, False), load=10.0, limits=limits) == limits
     assert propose(lambda x: x**2 / 2, limits, Response(E, False), load=10.0).touches_border

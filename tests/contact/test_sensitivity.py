@@ -30,8 +30,9 @@ def periodic(profile: contact.Profile, **more: Any) -> Scene:
     return Scene(profile, 1e9, contact.Periodic(), **more)
 
 
-# A number that is a product of powers of the data has these powers as its logarithmic derivatives:
-# a ~ (P / E* f)^(1/n) for a profile of the power n, and p ~ P / a.
+# The logarithmic derivative of a product of powers by one factor is the exponent of this
+# factor. The profile f |x|^n has the half width a ~ (P / (E* f))^(1/n) and the pressure
+# p ~ P / a.
 POWERS = {
     "cylinder": (isolated(contact.Parabola(1.0)), "profile.radius", 2.0, -1.0),
     "wedge": (isolated(contact.Wedge(0.01)), "profile.slope", 1.0, 1.0),
@@ -59,7 +60,10 @@ def test_powers_of_the_data_are_logarithmic_derivatives(name: str) -> None:
 
 
 def test_a_wave_has_the_derivatives_of_its_closed_form() -> None:
-    """A = pi a/L with sin^2 A = pbar / p*, p* = pi E* amplitude / L, and p = 2 p* sin A."""
+    """The half angle A = pi a/L obeys sin^2 A = pbar / p*; the largest pressure is 2 p* sin A.
+
+    Here p* = pi E* amplitude / L.
+    """
     solution = contact.solve(periodic(WAVE, mean_pressure=1e7), tol=1e-12)
     by, full = contact.sensitivity(solution), np.pi * 1e9 * 1e-2
     angle = np.arcsin(np.sqrt(1e7 / full))
@@ -77,7 +81,7 @@ def test_a_wave_has_the_derivatives_of_its_closed_form() -> None:
             assert np.isclose(by.of(number, to).value * size, expected, rtol=1e-10)
 
 
-# Scenes of every route, with data by which they are differentiated.
+# A scene for each way of solution, and the data by which its numbers are differentiated.
 ROUTES: dict[str, tuple[Scene, tuple[str, ...]]] = {
     "zones": (periodic(SERIES, mean_pressure=2e7), ("profile.cosine[0]", "profile.period")),
     "zones at a fraction": (
@@ -116,7 +120,7 @@ TOL = 1e-11
 
 
 def changed(scene: Scene, to: str, factor: float) -> Scene:
-    """The scene with another value of one of its data."""
+    """The scene with one of its data multiplied by `factor`."""
     name, _, index = to.partition("[")
     value = contact.sensitivity(contact.solve(scene))._rates.values[name]
     if not index:
@@ -128,7 +132,7 @@ def changed(scene: Scene, to: str, factor: float) -> Scene:
 
 
 def by_differences(scene: Scene, to: str, of: Callable[[Any], Any], step: float = 2e-3) -> Any:
-    """Derivative by the logarithm of one of the data, by differences of order 6."""
+    """The derivative by the logarithm of one of the data, from differences of order 6."""
     total = 0.0
     for k, weight in enumerate((3 / 4, -3 / 20, 1 / 60), 1):
         for sign in (1.0, -1.0):
@@ -138,7 +142,7 @@ def by_differences(scene: Scene, to: str, of: Callable[[Any], Any], step: float 
 
 
 def numbers_of(solution: contact.Solution) -> Any:
-    """All numbers that have derivatives, in one array; each over its size."""
+    """All numbers of the solution that have derivatives, in one array."""
     return np.concatenate(
         [np.ravel(getattr(solution, name)) for name in NUMBERS if defined(solution, name)]
     )
@@ -173,7 +177,7 @@ def test_derivatives_are_those_of_differences_on_every_route(route: str) -> None
 
 
 def size_of(solution: contact.Solution, name: str) -> Any:
-    """The number relative to which an error counts; for ends, the width in contact."""
+    """The size relative to which errors of a number count; for ends, the width in contact."""
     value = np.ravel(getattr(solution, name))
     size = (
         np.abs(np.diff(solution.zones)).sum() if name == "zones" else np.abs(value).max(initial=0)
@@ -185,7 +189,10 @@ def size_of(solution: contact.Solution, name: str) -> Any:
 
 @pytest.mark.parametrize("route", ["zones", "gaps", "full contact", "layer", "sliding", "one zone"])
 def test_without_adhesion_no_derivative_depends_on_an_edge_intensity(route: str) -> None:
-    """J(E*, P, K) is homogeneous: without K, E* dJ/dE* + P dJ/dP is the degree times J."""
+    """The derivative of a number J(E*, P, K) by the edge intensity K is zero.
+
+    J is homogeneous of a known degree. So without K, E* dJ/dE* + P dJ/dP is the degree times J.
+    """
     by = contact.sensitivity(contact.solve(ROUTES[route][0], TOL))
     left, values = by._rates._intensity.values, by.linearized.values
     for name in OF_PRESSURE:
@@ -214,7 +221,7 @@ def test_the_stated_error_of_a_derivative_bounds_its_error(route: str) -> None:
                     assert np.all(missed <= np.asarray(one.error) + other.error + slack)
 
 
-def test_a_response_is_that_of_the_pressure_too() -> None:
+def test_a_response_contains_the_change_of_the_pressure() -> None:
     scene, q = periodic(SERIES, mean_pressure=2e7), 2 * np.pi / 1e-4
     solution = contact.solve(scene, TOL)
     by = contact.sensitivity(solution)
@@ -231,7 +238,7 @@ def test_a_response_is_that_of_the_pressure_too() -> None:
     assert np.isclose(rise.of("zone_loads").value.sum(), 0.0, atol=1e-9 * solution.load)
 
 
-def test_the_derivative_by_another_parameter_is_noticed() -> None:
+def test_derivatives_by_different_coefficients_differ() -> None:
     by = contact.sensitivity(contact.solve(ROUTES["zones"][0], TOL))
     one, other = (by.of("max_pressure", f"profile.cosine[{k}]").value for k in (0, 1))
     assert abs(one - other) > 1e-2 * abs(one)
@@ -254,7 +261,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_is_not_exact_is_refused_by_name(name: str) -> None:
+def test_laws_and_models_without_exact_derivatives_are_refused_by_name(name: str) -> None:
     with pytest.raises(contact.SceneError, match=f"{name}|not known"):
         contact.sensitivity(contact.solve(REFUSED[name]))
 
@@ -287,7 +294,7 @@ def test_a_law_parameter_of_zero_that_moves_the_zones_is_refused(
 
 
 def measured(count: int = 48) -> contact.Sampled:
-    """A measured period of a rough surface."""
+    """A period of a rough surface with random phases, measured at `count` points."""
     rng, x = np.random.default_rng(3), 1e-4 * np.arange(count) / count
     waves = (
         2e-6 / k**1.7 * np.cos(2 * np.pi * k * x / 1e-4 + rng.uniform(0, 6))
@@ -315,7 +322,7 @@ FEW = ("zones", "alone", "full contact")
     "name", [pytest.param(r, marks=[] if r in FEW else pytest.mark.slow) for r in MEASURED]
 )
 def test_all_heights_at_once_and_one_at_a_time_have_the_same_derivatives(name: str) -> None:
-    """The adjoint equation against the equation of each derivative."""
+    """The adjoint equation (all heights at once) against the linear equation for each height."""
     solution = contact.solve(MEASURED[name], 1e-9)
     by = contact.sensitivity(solution)
     for number, index in (
@@ -349,7 +356,7 @@ def test_arrays_of_coefficients_have_the_derivatives_of_their_entries() -> None:
 
 
 def test_pull_off_of_a_cylinder_has_the_powers_of_its_closed_form() -> None:
-    """P = -3 (pi E* w^2 R / 16)^(1/3) (M. Barquins, J. Adhesion 26, 1988, 1)."""
+    """The pull-off load is P = -3 (pi E* w^2 R / 16)^(1/3) (M. Barquins, J. Adhesion 26, 1988, 1)."""
     scene = Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(), law=contact.JKR(0.05), load=0.0)
     by = contact.sensitivity(contact.solve(scene, 1e-10))
     load = by.solution.pull_off.load
@@ -393,7 +400,10 @@ def test_pull_off_of_a_texture_has_the_derivatives_of_differences() -> None:
 def test_the_load_of_first_yield_of_a_cylinder_has_the_powers_of_its_closed_form(
     criterion: str,
 ) -> None:
-    """p_0 = sqrt(P E* / pi R) is proportional to the largest stress: P ~ Y^2 R / E*."""
+    """The load of first yield is proportional to Y^2 R / E*, with the strength Y.
+
+    The largest stress is proportional to the largest pressure p_0 = sqrt(P E* / (pi R)).
+    """
     scene = isolated(contact.Parabola(2.0), load=1e3)
     found = contact.solve(scene).first_yield(1e6, 0.3, criterion, tol=1e-12)
     by = contact.sensitivity(found)
@@ -429,7 +439,7 @@ STRESSED: dict[str, tuple[Scene, str, str, tuple[str, ...]]] = {
         "as loaded",
         ("profile.sine[0]", "law.friction", "profile.period"),
     ),
-    # The largest stress is on the surface.
+    # In this scene the largest stress is on the surface.
     "unlike": (*ROUTES["sliding"][:1], "tresca", "as loaded", ("profile.sine[0]",)),
 }
 
@@ -554,7 +564,10 @@ class NarrowBumps(contact.Profile):
 
 @pytest.mark.parametrize("width", [2e-6, 2e-7])
 def test_bumps_that_are_narrow_and_far_apart_have_derivatives(width: float) -> None:
-    """The adjoint equation against that of each height, which needs no field far from a zone."""
+    """The adjoint equation against the linear equation for each height.
+
+    The latter needs no fields far from a zone.
+    """
     shape = NarrowBumps(0.05 * width * np.array([1.0, 1.02, 1.01]), width)
     scene = isolated(shape, load=3e5 * width)
     by = contact.sensitivity(contact.solve(scene, 1e-10))

@@ -1,5 +1,6 @@
-"""A sharp valley between two tips of a body alone: gaps that narrow to 1e-9 of a zone, as wide
-zones with a kink in their hole.
+"""Isolated contact of two tips with a sharp valley between them: gaps down to 1e-8 of a zone.
+
+Such a narrow gap is a slit in a wide zone, with the kink of the valley in the slit.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from tests.contact.judge import solve
 
 @dataclass(frozen=True)
 class RoundTips(contact.Profile):
-    """f = slope (|x| - 1)^2 / 2 with a sharp valley between two round tips; unequal: the left one's
-    slopes over the right one's.
+    """The profile f = steepness ((|x| - 1)^2 - 1) / 2: a sharp valley between two round tips.
+
+    unequal: ratio of the slopes of the left tip to those of the right tip.
     """
 
     steepness: float = 0.1
@@ -45,9 +47,11 @@ class RoundTips(contact.Profile):
         return np.array([[0.0, 2, self.steepness * (1 - self.unequal)]])[self.unequal == 1.0 :]
 
     def closed(self, a):
-        """Right end b, and the load over E*, of the zones a < |x| < b of equal tips: in y = x^2 the
-        two are one zone, and with k^2 = 1 - a^2/b^2 its conditions are b = (2/pi) K(k), P = (E*
-        slope/2) (pi (a^2 + b^2)/2 - 2 b E(k)) (derived here).
+        """The right end b and the load over E*, if equal tips touch at a < |x| < b.
+
+        In y = x^2 the two zones are one zone. With k^2 = 1 - a^2/b^2 its conditions are
+        b = (2/pi) K(k) and P = (E* slope/2) (pi (a^2 + b^2)/2 - 2 b E(k)), derived here. K and
+        E are the complete elliptic integrals, and slope is the steepness.
         """
         b = 1.0
         for _ in range(200):
@@ -58,8 +62,9 @@ class RoundTips(contact.Profile):
 
 
 class TestSharpValley:
-    """Two tips alone with a kink between them: their gap never closes, and narrows as
-    exp(-pressure).
+    """The gap over the kink never closes.
+
+    Its width decreases exponentially with the mean pressure.
     """
 
     @pytest.mark.parametrize("a", [0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8])

@@ -1,4 +1,4 @@
-"""Sliding of elastically different bodies: closed forms, symmetry, balance, and what is refused."""
+"""Sliding of elastically different bodies: closed forms, symmetry, balances, refused scenes."""
 
 import pickle
 
@@ -14,7 +14,7 @@ E_STAR = 2.0  # so that (E*/2) f' is the slope itself
 
 
 def law_of(alpha: float) -> contact.Sliding:
-    """A law whose pressure ends with the exponents alpha (right) and 1 - alpha (left)."""
+    """A law with which the pressure has the exponent alpha at right and 1 - alpha at left ends."""
     kappa = 1 / np.tan(np.pi * alpha)
     return contact.Sliding(abs(kappa) / 0.5, 0.5, -1 if kappa > 0 else 1)
 
@@ -42,7 +42,7 @@ def test_a_sliding_cylinder_has_the_closed_form(alpha):
 
 
 def test_a_sliding_wedge_has_the_closed_form():
-    # alpha = .36, width 2, E* slope = 1
+    # The numbers hold for alpha = 0.36, the width 2 and E* slope = 1.
     found = solved(contact.Wedge(0.5), 0.36, load=0.914850713939)
     left = -0.503626200773
     np.testing.assert_allclose(found.zones, [[left, left + 2]], atol=2e-12)
@@ -82,7 +82,7 @@ def test_a_sliding_wave_has_the_closed_form(alpha, part):
     assert abs(ends) < 1e-11
     assert 0.5 * FULL * load == pytest.approx(mean, rel=1e-10)
     np.testing.assert_allclose(found.pressure(u * PERIOD / np.pi), exact, rtol=0, atol=1e-11 * FULL)
-    # The condition without the mean pressure's own term is another one.
+    # Without the term of the mean pressure, the condition on the ends is not fulfilled.
     assert abs(np.sin(2 * m) + alpha * np.sin(2 * B) + (1 - alpha) * np.sin(2 * A)) > 1e-6
 
 
@@ -103,7 +103,12 @@ def _logarithm(w):
 
 
 def test_two_zones_in_a_period_obey_the_algebra_of_gap_closure():
-    """F = f' + kappa mean p - X M has no growing waves at i infinity; the gaps close; the load."""
+    """The ends of the two zones fulfil the algebraic conditions on the slope X M of the gap.
+
+    The module test_sliding_designed.py defines X and M. The waves of X M that grow at i
+    infinity are those of f'; the mean of X M has the mean pressure as its imaginary part; the
+    integral of X M over each gap is zero.
+    """
     alpha, mean, waves = 0.44, 0.25, np.array([0.1 + 0.3j, -0.05 + 0.6j])
     j = np.array([1, 2])
     profile = contact.Fourier(2 * np.pi, -2 / j * waves.imag, 2 / j * waves.real)
@@ -142,7 +147,7 @@ def test_two_zones_in_a_period_obey_the_algebra_of_gap_closure():
     assert kappa > 0 and found.certificate.holds and found.error < 1e-10
 
 
-def test_reflection_turns_the_direction_round():
+def test_a_mirrored_profile_slides_like_the_profile_in_the_opposite_direction():
     coefficients = [0.0, 0.02, 0.4, 0.3, 0.6]
     mirrored = [(-1) ** k * c for k, c in enumerate(coefficients)]
     one, other = (
@@ -199,7 +204,10 @@ def test_the_stiffness_is_the_slope_of_the_load_curve(profile, interaction, name
 
 
 def test_a_trace_with_knots_obeys_its_own_equation():
-    """T p + kappa (p - mean p) = f' (E* = 2) in the zones, and the gap's mean is that of its values."""
+    """In the zones T p + kappa (p - mean p) = f', because E* = 2.
+
+    The mean gap is the mean of the gap's values, and displacements have zero mean.
+    """
     x = np.arange(24) / 24
     heights = 1e-3 * (np.cos(2 * np.pi * x) + 0.3 * np.sin(6 * np.pi * x + 1))
     trace = contact.Sampled(x, heights, period=1.0)
@@ -270,7 +278,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("given, name", REFUSED)
-def test_what_does_not_go_with_sliding_is_refused_by_name(given, name):
+def test_data_that_sliding_does_not_allow_are_refused_by_name(given, name):
     with pytest.raises(contact.SceneError, match=name):
         if callable(given):
             given()
@@ -301,7 +309,10 @@ def test_the_stresses_below_a_sliding_cylinder_have_the_closed_form():
 
 @pytest.mark.parametrize("part", [0.3, 0.9, 1.5])
 def test_the_stresses_at_the_surface_follow_from_pressure_and_slope(part):
-    """s_yy = -p, s_xy = -q and s_xx = -p - 2 T q, with T p = f' - kappa (p - mean p) in contact."""
+    """At the surface s_yy = -p, s_xy = -q and s_xx = -p - 2 T q, with the shear q.
+
+    In contact, T p = f' - kappa (p - mean p).
+    """
     alpha = 0.36
     mean = part * FULL * np.sin(np.pi * alpha)
     found = solved(WAVE, alpha, interaction=contact.Periodic(), mean_pressure=mean)

@@ -1,9 +1,10 @@
 """Designed problems of sliding: the zones are chosen, and the profile that has them is computed.
 
-With X = prod (z - b)^alpha (z - a)^(1 - alpha) over the zones (a, b), periodic with sines of half
-the differences, and a real M, let Q be the growing part of X M at infinity. Then the pressure
-|X M| sin(pi alpha) on the zones obeys T p + kappa (p - mean p) = Q, and X M is the slope of the
-gap. M is chosen so that all gaps close.
+Let X = prod (z - b)^alpha (z - a)^(1 - alpha) over the zones (a, b). In a period, sines of half
+the differences replace the differences. Let M be a real polynomial (trigonometric in a period),
+and Q the part of X M that grows at infinity. Then the pressure |X M| sin(pi alpha) on the zones
+obeys T p + kappa (p - mean p) = Q, and X M is the slope of the gap. M is chosen so that all
+gaps close.
 """
 
 import numpy as np
@@ -107,8 +108,8 @@ def designed_periodic(ends, alpha):
 def holds(alpha, lengths, periodic):
     """Compare the solved contact with the designed one.
 
-    Some designs are so sensitive that round-off of the slopes moves ends by 1e-10. Their best state
-    has to be as good as it says.
+    Some designs are so sensitive that round-off of the slopes moves ends by 1e-10. Then the
+    best solution that was found must have an error within its stated error.
     """
     lengths = np.array(lengths)
     places = np.cumsum(lengths)
@@ -155,5 +156,5 @@ def test_designed_contacts_of_one_to_five_zones_are_found(periodic, alpha, lengt
     holds(alpha, lengths, periodic)
 
 
-def test_a_zone_that_is_missing_without_friction_is_found():
+def test_a_zone_that_frictionless_contact_lacks_is_found():
     holds(0.59375, [1.0, 1.0, 0.75, 0.25, 0.25, 1.0], False)

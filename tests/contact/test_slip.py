@@ -1,4 +1,4 @@
-"""Shear, stick and slip: closed forms, laws on every route, and steps of friction on a grid."""
+"""Partial slip and rolling: closed forms, laws on every route, and steps of friction on a grid."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def hertz(x, half):
 X = np.linspace(-1.1, 1.1, 41) * HALF
 
 
-def test_beside_a_tip_the_stress_states_the_rounding_of_the_place():
-    """Where the surfaces stick, the shear causes no strain, so that s_xx = -p."""
+def test_near_a_tip_the_stated_error_of_the_stress_includes_rounded_positions():
+    """The shear causes no strain where the surfaces stick, so s_xx = -p there."""
     solution = solved(contact.Wedge(0.01), load=1e-3)
     slip = contact.partial_slip(solution, MU, (1 - 1e-5) * MU * solution.load)
     x = slip.stick_zones[0, 1] * np.linspace(-0.98, 0.98, 50)
@@ -51,8 +51,11 @@ def test_beside_a_tip_the_stress_states_the_rounding_of_the_place():
     assert stress.error.max() < 1e-7 * solution.pressure(x).min()
 
 
-def test_lost_energy_states_the_rounding_of_heights():
-    """A small contact far from x = 0, on a high slope, and its mirror image."""
+def test_the_error_of_the_lost_energy_includes_the_round_off_of_heights():
+    """A small contact far from x = 0 and its mirror image lose the same energy.
+
+    The heights near this contact are large, so their round-off matters.
+    """
     lost = []
     for side in (1.0, -1.0):
         bowl = contact.Polynomial([0.0, -side * 1e-3, 4e-4, 0.0, 1e-5])
@@ -63,9 +66,10 @@ def test_lost_energy_states_the_rounding_of_heights():
 
 
 def test_on_a_facet_that_ends_at_its_corners_the_shear_causes_no_strain():
-    """The load is small.
+    """The shear causes no strain where the surfaces stick, so s_xx = -p there.
 
-    The logarithmic terms of the corners at the ends of the zone are far larger than the pressure.
+    The load is small. So the logarithmic terms of the corners at the ends of the zone are far
+    larger than the pressure.
     """
     facet = PiecewiseLinear(np.array([-3.4, -2.0, -0.17, 1.8]), np.array([0, 0, 7e-3, 7e-3]), 6.8)
     solution = solved(facet, PERIODIC, load=1e-9)
@@ -103,7 +107,7 @@ def test_a_cycle_on_a_cylinder_has_the_closed_form(cylinder):
     slips = contact.load_history(cylinder.scene, MU, history, tol=1e-11)[1:]
 
     def shear(steps):
-        """The sum of friction at the whole load and of jumps of it at inner widths."""
+        """A sum of Hertz pressures on the half widths HALF sqrt(1 - part), times their weights."""
         return sum(weight * hertz(X, HALF * np.sqrt(1 - part)) for weight, part in steps)
 
     wanted = [
@@ -195,7 +199,7 @@ def test_where_a_contact_sticks_the_shear_causes_no_strain(route, part):
 
 @pytest.mark.parametrize("part", [0.2, 0.8])
 def test_a_wheel_of_the_fourth_power_has_the_closed_form(part):
-    """(E*/2) f' = g1 x + g3 x^3: its zone that sticks begins at the leading edge of contact."""
+    """The slope is f' = (2/E*) (g1 x + g3 x^3); the stick zone begins at the leading edge."""
     g1, g3 = 0.3, 2.0
     solution = solved(contact.Polynomial([0, 0, g1 / E, 0, 0.5 * g3 / E]), load=0.2)
     half, rest = solution.zones[0, 1], (1 - part) * solution.load
@@ -290,7 +294,8 @@ def test_random_wheels_roll_with_one_strain_or_are_refused(seed):
 
 
 def test_a_bulk_stress_moves_the_zone_that_sticks():
-    # D. Nowell and D. A. Hills, Int. J. Mech. Sci. 29, 1987, 355-365.
+    # The closed form is that of D. Nowell and D. A. Hills, Int. J. Mech. Sci. 29, 1987,
+    # 355-365.
     solution = solved(half_width=HALF)
     peak, part = 0.5 * E * HALF, 0.6
     inner = HALF * np.sqrt(1 - part)
@@ -309,7 +314,7 @@ def test_a_bulk_stress_moves_the_zone_that_sticks():
 
 
 @pytest.mark.parametrize("load", [2e-3, 6e-3])
-def test_a_rough_period_slips_as_steps_on_a_grid_say(load):
+def test_a_rough_period_slips_as_in_steps_on_a_grid(load):
     solution = contact.solve(contact.Scene(TWO, 1.0, PERIODIC, load=load), tol=1e-10)
     slip = contact.partial_slip(solution, MU, 0.6 * MU * load)
     far = []
@@ -335,7 +340,7 @@ def random_history(seed):
     ("seed", "n"),
     [(1, 96), *(pytest.param(seed, 192, marks=pytest.mark.slow) for seed in range(2, 14))],
 )
-def test_random_histories_are_those_of_steps_on_a_grid(seed, n):
+def test_random_histories_agree_with_steps_on_a_grid(seed, n):
     points = random_history(seed)
     scene = contact.Scene(TWO, 1.0, PERIODIC, load=1.0)
     slips = contact.load_history(scene, MU, points, tol=1e-9)
@@ -357,7 +362,8 @@ def test_random_histories_are_those_of_steps_on_a_grid(seed, n):
             )
             far[-1].append(np.abs(grid.q - wanted).mean() / np.abs(grid.q).mean())
             lost[-1].append(grid.lost - begun)
-    # The steps of the grid are in error in proportion to their length, which is extrapolated.
+    # The error of the grid is proportional to the length of its steps. Extrapolation to steps
+    # of length zero removes most of this error from the lost energy.
     assert max(far[1]) < 0.5 * max(far[0]) and max(far[1]) < 0.2
     lost = np.add(lost[1], np.subtract(lost[1], lost[0]) / 3)
     by_memory = np.array([slip.dissipated for slip in slips])
@@ -379,7 +385,11 @@ LOSSES = {
 @pytest.mark.parametrize("grows", [True, False])
 @pytest.mark.parametrize("part", [0.1, 1e-3, 1e-5, 1e-7])
 def test_a_segment_loses_what_its_halves_lose(name, grows, part):
-    """This holds also if the load changes far more, or less, than the load whose zones stick."""
+    """A segment of the history loses as much energy as its two halves.
+
+    This also holds if the load changes far more, or far less, than the stick load: the load whose
+    zones of contact stick.
+    """
     scene, largest = LOSSES[name]
     start, q = scene.load, 0.5 * MU * scene.load
     end = (1.5 * start, q * (1 + part)) if grows else (start * (1 - part), q)
@@ -395,7 +405,7 @@ def test_a_segment_loses_what_its_halves_lose(name, grows, part):
 
 
 def test_tips_do_not_make_the_lost_energy_infinite():
-    """Nodes of the quadrature of the pressure round to the places where it is infinite."""
+    """Some nodes of the quadrature round to a tip, where the pressure is infinite."""
     at = np.array([-0.9, -0.68, -0.65, -0.58, -0.07, 0.2, 0.5])
     rough = PiecewiseLinear(at, np.array([2.0, 0.4, 1.1, 0.0, 0.7, 0.3, 1.9]), 1.8)
     for load in (0.1, 0.5, 1.0, 1.5):
@@ -404,8 +414,8 @@ def test_tips_do_not_make_the_lost_energy_infinite():
         assert 0.0 < slip.dissipated_error < 1e-4 * slip.dissipated < math.inf
 
 
-def test_a_wrong_history_is_noticed():
-    """The steps on the grid tell friction 0.4 from 0.38."""
+def test_a_wrong_friction_is_noticed():
+    """The comparison with the grid distinguishes the friction 0.4 from 0.38."""
     solution = contact.solve(contact.Scene(TWO, 1.0, PERIODIC, load=6e-3), tol=1e-8)
     grid = FrictionGrid(512, TWO.height, MU)
     grid.step(6e-3, 0.0)
@@ -415,7 +425,7 @@ def test_a_wrong_history_is_noticed():
     assert far > 2e-3 and abs(grid.shift / wrong.shift - 1) > 3e-3
 
 
-def test_all_that_sticks_and_slips_is_the_contact():
+def test_stick_and_slip_zones_together_are_the_contact():
     for route in ("two zones", "gaps"):
         solution = ROUTES[route]()
         slip = contact.partial_slip(solution, MU, 0.3 * MU * solution.load)
@@ -433,8 +443,8 @@ def test_a_load_on_the_verge_of_sliding_slips_everywhere(cylinder):
     assert np.array_equal(held.stick_zones, punch.zones) and len(held.slip_zones) == 0
 
 
-def test_contacts_under_tiny_loads_need_no_digits_of_their_own():
-    """After sliding everywhere, a zone that just begins to slip again is as small as round-off."""
+def test_rounded_contacts_under_tiny_loads_leave_the_error_small():
+    """Close to full sliding, the stick zone is the contact under a load as small as round-off."""
     profile = contact.Biquadratic(1.0, 0.4)
     scene = contact.Scene(profile, 1.0, ISOLATED, load=1.0)
     history = [(1e-3, 0.2e-3), (1e-3, MU * 1e-3), (2e-3, -MU * 2e-3), (1e-3, 1e-4)]
@@ -483,7 +493,7 @@ def test_values_out_of_range_are_refused_by_name(cylinder):
             contact.partial_slip(solution, **{"friction": MU, "tangential_load": 1e-5, **given})
 
 
-def test_what_does_not_roll_is_refused_by_name(cylinder):
+def test_scenes_and_data_that_cannot_roll_are_refused_by_name(cylinder):
     for solution, given, what in (
         (cylinder, {}, "one of them"),
         (cylinder, {"creepage": 0.1, "tangential_load": 0.0}, "one of them"),
