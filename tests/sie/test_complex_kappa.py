@@ -5,7 +5,7 @@ alpha = 1/2 - i eps, eps = artanh(beta) / pi, the density oscillates as d^(i eps
 from an end (M. L. Williams, Bull. Seism. Soc. Am. 49, 1959, 199-204). Designed problems have the
 transform F = Q - X M off the zones. Zone k has the ends a and b, and
 
-    X = prod y(z - b)^(A_k) y(z - a)^(B_k),    y(z) = z, or with a period L sin(pi z/L) L/pi,
+    X = prod y(z - b)^(A_k) y(z - a)^(B_k),    y(z) = z, or with a period L sin(pi z/L) L/pi.
 
 Then kappa phi + T phi = Q and phi = +-sin(pi A_k) |X| M, also if kappa differs between zones. M has
 given roots and poles; Q has the poles of X M.

@@ -1,4 +1,4 @@
-"""Derivatives of solutions: exact ones, finite differences, and the two ways of solving."""
+"""Derivatives of solutions by parameters, against closed forms and finite differences."""
 
 import numpy as np
 import pytest
@@ -19,13 +19,13 @@ def test_the_intensity_of_griffith_s_crack_grows_as_the_root_of_its_length(a):
     right = found.density.intensities[1][0]
     assert abs(abs(right) / np.sqrt(a / 2) - 1) < 1e-12
     assert np.abs(np.abs(longer.intensities) * np.sqrt(8 * a) - 1).max() < 1e-12
-    # One end alone: half as fast at the far end, and the sum of both is the whole.
+    # The derivatives by the place of each end alone add up to the derivative by the half length.
     one = found.derivative(dends=[[0.0, 1.0]])
     other = found.derivative(dends=[[-1.0, 0.0]])
     assert np.abs(one.intensities + other.intensities - longer.intensities).max() < 1e-13 / np.sqrt(
         a
     )
-    # phi = x / sqrt(a^2 - x^2)
+    # The density is phi = x / sqrt(a^2 - x^2).
     t = np.array([-0.9, 0.2, 0.7])
     exact = -t / (a * (1 - t**2) ** 1.5)
     assert np.abs(longer.density(a * t) / exact - 1).max() < 1e-11
@@ -51,8 +51,8 @@ def test_the_field_of_a_longer_crack_is_exact_in_both_half_planes():
     assert density.transform(x)[2] == 0.0 and abs(density.potential(0.5)) < 1e-13
 
 
-def test_a_circular_contact_follows_its_load_and_its_profile():
-    """P = pi a^2 g1 / 2 for g = g1 x, and p = g1 sqrt(a^2 - x^2)."""
+def test_a_parabolic_contact_follows_its_load_and_its_profile():
+    """Hertz: for g = g1 x the load is P = pi a^2 g1 / 2, and the pressure g1 sqrt(a^2 - x^2)."""
     hertz = sie.Equation(sie.cauchy(), lambda x: x, sie.Total(np.pi / 2))
     found = sie.solve(hertz, sie.Zones.of([[-0.8, 1.3]]))
     by_load = found.derivative(values=[1.0])
@@ -67,7 +67,7 @@ def test_a_circular_contact_follows_its_load_and_its_profile():
 
 
 def test_a_wave_follows_its_load():
-    """sin^2(pi a / L) = load / (amplitude L), Westergaard 1939."""
+    """The half width a obeys sin^2(pi a / L) = load / (amplitude L) (Westergaard 1939)."""
     wave = sie.Equation(sie.hilbert(1.0), lambda x: np.sin(2 * np.pi * x), sie.Total(0.3))
     found = sie.solve(wave, sie.Zones.of([[-0.15, 0.2]]))
     a = np.arcsin(np.sqrt(0.3)) / np.pi
@@ -77,7 +77,7 @@ def test_a_wave_follows_its_load():
 
 
 def test_the_capacity_of_an_interval_moves_with_its_end():
-    """pi V = log(length / 4), so that dV/db = 1 / (pi length)."""
+    """The potential V of a unit charge obeys pi V = log(length / 4), so dV/db = 1 / (pi length)."""
     still = sie.Forcing(np.zeros_like, np.zeros_like)
     plate = sie.Equation(sie.cauchy(), still, sie.Total(1.0))
     found = sie.solve(plate, sie.Zones.of([[0.0, 3.0]], *SINGULAR))
@@ -219,7 +219,9 @@ PROBLEMS = [
     ("problem", "change", "x"), PROBLEMS, ids=lambda p: getattr(p, "__name__", "")
 )
 def test_derivatives_are_the_limits_of_differences(problem, change, x):
-    """Differences of fourth order in four solutions; their error is about 1e-9."""
+    """Each derivative is compared with a fourth-order difference of four solutions, whose error
+    is about 1e-9.
+    """
 
     def solved(s):
         equation, zones, more = problem(s)
@@ -296,9 +298,10 @@ def test_factors_and_iteration_give_the_same_derivative(conditions, right, value
 
 @pytest.mark.parametrize("load", [1.0, 1.55, 1.5702])
 def test_two_zones_of_a_quartic_profile_follow_their_load(load):
-    """phi = |x| sqrt((a^2 - x^2)(x^2 - b^2)), a^2 = 1 + e, b^2 = 1 - e, e^2 = 2 P / pi.
+    """phi = |x| sqrt((a^2 - x^2)(x^2 - b^2)) with a^2 = 1 + e, b^2 = 1 - e, e^2 = 2 P / pi.
 
-    At the last load the narrow gap is a slit, and the derivative is found without it.
+    At the last load, `solve` treats the narrow gap as a slit. The derivative is then computed
+    from a solution without slits.
     """
     g = sie.Forcing(lambda x: x * (x * x - 1), lambda x: x**4 / 4 - x * x / 2)
     equation = sie.Equation(sie.cauchy(), g, (sie.Total(load), sie.EqualPotential()))
@@ -433,7 +436,9 @@ def integral(solution, weight, nodes=400):
     ids=lambda p: getattr(p, "__name__", ""),
 )
 def test_a_gradient_gives_the_derivative_of_its_functional(problem, change, x):
-    """One adjoint solve against differences of the functional in four solutions."""
+    """A gradient by one adjoint solve, times the changes of the data, is the fourth-order
+    difference of the functional in four solutions.
+    """
     equation, zones, more = problem(0.0)
     found = sie.solve(equation, zones, tol=1e-12, **more)
     rng = np.random.default_rng(5)

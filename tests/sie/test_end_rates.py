@@ -1,4 +1,4 @@
-"""How intensities and levels follow moved ends: closed forms against a punch's own, and against
+"""Derivatives of intensities and levels by the places of ends, against the flat punch and against
 solutions with moved ends.
 """
 
@@ -33,9 +33,9 @@ def _moved(table, side, i, by, symmetric):
     return moved
 
 
-def test_a_flat_punch_under_a_held_load_loses_a_quarter_of_its_intensity_per_half_width():
-    # K = P / (pi sqrt(2 w)), and w grows by half of what one end moves; by the other end K changes
-    # as w does.
+def test_rates_of_a_flat_punch_under_a_given_load():
+    # Both ends have K = P / (pi sqrt(2 w)) with the half width w = 2. If one end moves outward by
+    # e, w grows by e / 2, and K at both ends changes by -K e / (4 w).
     state = _state(
         sie.cauchy(), sie.Forcing(np.zeros_like, np.zeros_like), (sie.Total(1.0),), [[-2.0, 2.0]]
     )

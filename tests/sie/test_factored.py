@@ -1,4 +1,4 @@
-"""A matrix by its factors."""
+"""Linear systems solved by the LU factors of their matrix."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from sie.dense.lu import Factored
 
 
 @pytest.mark.parametrize("size, columns", [(7, 3), (64, 8), (64, 40), (5, 0)])
-def test_several_right_sides_are_solved_as_each_alone(size, columns):
+def test_several_right_sides_together_have_the_solutions_of_each_alone(size, columns):
     rng = np.random.default_rng(size + columns)
     matrix, right = (
         rng.normal(size=(size, size)) + size * np.eye(size),

@@ -1,5 +1,5 @@
-"""Fast sums: what the assembled matrix gives, for any widths and distances, at a cost that grows
-with the zones and no faster.
+"""Fast sums give the results of the assembled matrix, for any widths and distances of the zones.
+Their cost is proportional to the number of zones.
 """
 
 import gc
@@ -26,7 +26,7 @@ KERNELS = {"line": sie.cauchy(), "period": sie.hilbert(1.0), "images": sie.image
 
 
 def scattered(count, rng, decades=2.5):
-    """Ascending zones in (-0.45, 0.45), widths and gaps over so many decades each."""
+    """Ascending zones in (-0.45, 0.45), whose widths and gaps vary over `decades` decades."""
     lengths = 10 ** rng.uniform(-decades, 0.0, 2 * count - 1)
     ends = np.concatenate(([0.0], np.cumsum(lengths)))
     return sie.Zones.of((0.9 * ends / ends[-1] - 0.45).reshape(count, 2))
@@ -45,7 +45,7 @@ def equation(kernel):
 
 
 def systems(kernel, zones):
-    """(assembled, by fast sums) on the same modes."""
+    """(system with an assembled matrix, system with fast sums), with the same modes."""
     problem, none = equation(kernel), ForcingJumps.none()
     m = modes.coupled(zones, kernel, 1e-13, 0)
     g = modes.sample(problem.forcing, zones, none, np.full(len(zones), 16), 1e-13, 512).coefficients
@@ -53,7 +53,7 @@ def systems(kernel, zones):
 
 
 def unknowns(layout, rng):
-    """Coefficients that fall, for zones of any load."""
+    """Random unknowns: coefficients decay, and the zones' loads vary over three decades."""
     table = rng.uniform(-1, 1, (len(layout.m), int(layout.m.max()) + 1)) * 0.7 ** np.arange(
         int(layout.m.max()) + 1
     )
@@ -79,7 +79,7 @@ def test_rows_and_levels_are_those_of_the_matrix(kernel, symmetric):
 
 
 def test_a_far_zone_left_out_is_seen(monkeypatch):
-    """The comparison above can fail: without the moments of one zone."""
+    """If the moments of one zone are left out, the comparison of the test above fails."""
     rng = np.random.default_rng(3)
     direct, fast = systems(KERNELS["period"], scattered(40, rng))
     y = unknowns(direct.layout, rng)
@@ -94,9 +94,9 @@ def test_a_far_zone_left_out_is_seen(monkeypatch):
 
 
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
-def test_every_pair_of_zones_is_met_once(kernel):
-    """Far pairs of nodes and near pairs of zones together: each target with each source, once for
-    every image.
+def test_every_pair_of_zones_is_counted_once(kernel):
+    """The far pairs of nodes and the near pairs of zones together contain each pair of a target
+    and a source once for each image. Nodes of a far pair are well separated.
     """
     zones = scattered(60, np.random.default_rng(5))
     tree = Tree.over(zones.a, zones.b)
@@ -134,9 +134,9 @@ def test_fields_anywhere_are_those_summed_zone_by_zone(kernel, count):
     assert treecode.potential(x) == pytest.approx(density.potential(x), abs=2e-14)
 
 
-def test_half_a_period_off_the_middle_nothing_is_left_out():
-    """Where points are moved by periods to one side or the other, by rounding: the regular part of
-    the kernel counts there, too.
+def test_half_a_period_from_the_middle_fields_do_not_depend_on_round_off():
+    """Half a period from the middle of the zones, round-off decides whether a point is moved by a
+    period to the other side. The kernel's regular part must be included on both sides.
     """
     for seed in range(20):
         zones = scattered(9, np.random.default_rng(seed))
@@ -156,7 +156,7 @@ def test_half_a_period_off_the_middle_nothing_is_left_out():
         assert density.treecode.potential(x) == pytest.approx(potential, abs=1e-12)
 
 
-def test_all_that_is_asked_once_series_are_at_hand_is_summed_with_them():
+def test_once_series_are_computed_single_points_use_them_too():
     zones = scattered(20, np.random.default_rng(3))
     density = sie.Density(
         zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0)
@@ -172,7 +172,7 @@ def test_all_that_is_asked_once_series_are_at_hand_is_summed_with_them():
     )
 
 
-def test_a_density_with_series_is_gone_as_soon_as_nobody_holds_it():
+def test_a_density_with_series_is_freed_without_the_garbage_collector():
     zones = scattered(20, np.random.default_rng(3))
     density = sie.Density(
         zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0)
@@ -190,8 +190,8 @@ def test_a_density_with_series_is_gone_as_soon_as_nobody_holds_it():
 
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
 def test_few_zones_are_near_to_any_point_beside_a_cluster(kernel):
-    """A hundred equal zones beside a gap 250 times as wide as all of them: cells as long as their
-    distance see them from afar.
+    """A hundred equal zones lie beside a gap much wider than all of them together. The cells in
+    the gap are about as long as their distance from the zones, so few zones are near to a cell.
     """
     first = 1e-5 * np.arange(100)
     density = sie.Density(
@@ -211,9 +211,9 @@ def test_few_zones_are_near_to_any_point_beside_a_cluster(kernel):
     assert treecode.transform(x) == pytest.approx(density.transform(x), rel=1e-13, abs=2e-13)
 
 
-def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():
-    """Zones of one distribution, four times as many: four times the work, to the scatter of the
-    distances.
+def test_the_number_of_terms_is_proportional_to_the_number_of_zones():
+    """The zones are random, from one distribution. Four times as many zones need four times as
+    many terms, up to the scatter of the distances.
     """
     sizes = []
     for count in (250, 1000, 4000):
@@ -224,7 +224,7 @@ def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():
         )
         sizes.append(ZoneSums(zones, KERNELS["period"], system.layout).size)
     assert sizes[1] < 4.4 * sizes[0] and sizes[2] < 4.4 * sizes[1]
-    assert sizes[2] < 0.1 * 9 * 8 * 3 * 4000**2  # the matrix' own
+    assert sizes[2] < 0.1 * 9 * 8 * 3 * 4000**2  # a tenth of the terms of the matrix
 
 
 class TestCoarseInverse:
@@ -293,19 +293,21 @@ class TestGmres:
             assert np.linalg.norm(a @ found.x - b) <= 1.01 * tolerance + 1e-13
             assert found.residual <= tolerance
 
-    def test_takes_as_many_steps_as_there_are_distinct_factors(self):
+    def test_takes_as_many_steps_as_there_are_distinct_eigenvalues(self):
         factors = np.repeat([1.0, 1.5, 0.5], 20)
         found = gmres(lambda v: factors * v, np.ones(60), 1e-12)
         assert found.steps == 3 and found.x == pytest.approx(1 / factors, rel=1e-12)
 
-    def test_nothing_asked_is_nothing_done(self):
+    def test_a_zero_right_side_takes_no_step(self):
         found = gmres(lambda v: v, np.zeros(5), 1e-12)
         assert found.steps == 0 and not found.x.any()
 
 
-def test_what_rounding_cuts_off_ends_is_felt_from_afar_too():
-    """Told apart, it is as if the ends stood there: of a narrow zone its width is the difference of
-    the two.
+def test_far_fields_use_the_part_of_the_ends_below_the_last_digit():
+    """A tree gets the parts `rest` of the ends below their last digit separately, since the width
+    of a narrow zone is the difference of two such ends. The fields must be those of a tree over
+    the sums of ends and parts. Here the parts are 1e-4 of the widths, so that these sums have
+    enough digits.
     """
     rng = np.random.default_rng(3)
     zones = scattered(80, rng)
@@ -323,7 +325,7 @@ def test_what_rounding_cuts_off_ends_is_felt_from_afar_too():
         assert np.abs(one - other).max() <= 1e-11 * np.abs(other).max()
 
 
-def test_rough_sums_move_series_as_the_others_do():
+def test_stored_and_recomputed_matrices_of_the_tree_give_the_same_series():
     rng = np.random.default_rng(4)
     zones = scattered(70, rng)
     kept, made = (Nested(Tree.over(zones.a, zones.b), kept=kept) for kept in (True, False))

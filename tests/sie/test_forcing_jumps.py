@@ -15,7 +15,7 @@ from tests.tiers import quick
 
 ZONES = sie.Zones.of([[-1.3, 0.4], [0.9, 1.6]])
 NO_COEFFICIENTS = np.zeros((2, 1))
-# One jump of each order, one in each zone near an end, and one near a middle.
+# (position, order) of the jump, near the ends and near the middle of both zones.
 PLACES = [(-1.25, 0), (-0.45, 0), (1.1, 0), (-0.9, 1), (1.55, 1), (0.1, 2), (1.25, 2)]
 each_place = pytest.mark.parametrize(
     ("at", "order"), quick(PLACES, [(-0.45, 0), (-0.9, 1), (1.25, 2)])
@@ -23,9 +23,7 @@ each_place = pytest.mark.parametrize(
 
 
 def single(at, order, height=0.8, kernel=None):
-    """The density that a single jump is subtracted with, and what the kernel makes of it, by the
-    engine.
-    """
+    """(jumps, density): the closed-form density that the engine subtracts for a single jump."""
     kernel = kernel or sie.cauchy()
     jumps = ForcingJumps.within(
         ZONES, np.array([at]), np.array([height]), np.array([order]), kernel.period
@@ -59,8 +57,8 @@ def test_the_closed_density_is_the_sum_of_its_series(at, order):
     series = jumps.t_coefficients(ZONES, count)[zone]
     theta = np.arccos(t)
     summed = np.cos(theta[:, None] * np.arange(count)) @ series / np.sin(theta)
-    # Terms fall like l^-(1 + order) and alternate: what is left out is of the size of the last term
-    # over sin(theta).
+    # The terms decay as l^-(1 + order) and oscillate. So the truncation error is about the last
+    # term divided by sin(theta).
     assert density.at_t(zone, t) == pytest.approx(summed, abs=2e-3 / count**order)
 
 
@@ -91,7 +89,7 @@ def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
 
 
 @each_place
-def test_jumps_are_carried_with_few_modes_and_left_nowhere(at, order):
+def test_right_sides_with_jumps_need_few_modes_and_are_satisfied_everywhere(at, order):
     g = forcing(at, order, smooth=1.0)
     state = sie.solve_fixed(
         sie.Equation(sie.cauchy(), g, (sie.Total(0.7), sie.EqualPotential())),
@@ -115,15 +113,15 @@ def test_a_kink_very_near_an_end_is_solved_like_any_other(distance, side):
     phi = 2 * np.arctan2(np.sqrt(1 - at), np.sqrt(1 + at))
     theta = np.arccos(t)
     kappa = np.log(np.abs(np.sin((theta + phi) / 2) / np.sin((theta - phi) / 2)))
-    # g = (step - phi/pi) + phi/pi: kappa/pi, less (phi/pi) T_1 / sqrt, and T_0 / sqrt for the
-    # total.
+    # With g = (step - phi/pi) + phi/pi, the first part has the density kappa/pi, the second
+    # -(phi/pi) T_1 / sqrt(1 - t^2). A multiple of T_0 / sqrt(1 - t^2) makes the total 1.
     expected = kappa / np.pi + (-phi / np.pi * t + (1 - np.sin(phi)) / np.pi) / np.sin(theta)
     assert state.density.at_t(0, t) == pytest.approx(expected, abs=1e-13)
 
 
 @pytest.mark.parametrize("n", [16, 24, 48])
 @pytest.mark.parametrize("zone", [(-1.0, 1.0), (-0.37, 0.91), (100.3, 100.7)])
-def test_a_kink_exactly_at_a_node_or_a_rounding_beside_it_is_no_trouble(n, zone):
+def test_a_kink_at_a_node_or_one_round_off_beside_it_is_solved_like_any_other(n, zone):
     a, b = zone
     w = 0.5 * (b - a)
     t = np.linspace(-0.98, 0.98, 33)
@@ -165,7 +163,7 @@ def test_a_thousand_kinks_are_carried_exactly():
     state = sie.solve_fixed(equation, sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR))
     x = np.linspace(-0.99, 0.99, 101)
     assert state.sizes.own[0] == 16
-    # Sums of a thousand terms of size one.
+    # The tolerance is the round-off of sums of a thousand terms of size one.
     assert state.density.transform(x) == pytest.approx(value(x), abs=1e-12)
     assert np.ptp(state.density.potential(x) - primitive(x)) < 1e-12
 
@@ -177,7 +175,7 @@ def test_with_a_period_jumps_repeat():
     assert far.transform(x) == pytest.approx(near.transform(x), abs=1e-13)
 
 
-def test_jumps_outside_the_zones_are_left_alone():
+def test_jumps_outside_the_zones_are_ignored():
     jumps = ForcingJumps.within(
         ZONES, np.array([-1.3, 0.4, 0.6, 5.0]), np.ones(4), np.zeros(4, dtype=int), None
     )
@@ -223,7 +221,8 @@ def test_the_slope_over_the_angle_is_that_of_the_density(at, order):
 
     theta = np.array([0.3, 1.0, 1.9, 2.9])
     slope = by_angle(lambda left, right: density.jumps.density(zone, left, right), theta)[1]
-    # Central differences, to the third derivative beside the jump.
+    # The error of the central difference is largest beside the jump, where the third derivative
+    # is large.
     assert slope == pytest.approx(
         (value(theta + step) - value(theta - step)) / (2 * step), rel=1e-5, abs=1e-8
     )
@@ -231,8 +230,10 @@ def test_the_slope_over_the_angle_is_that_of_the_density(at, order):
 
 @pytest.fixture(scope="module")
 def many_knots():
-    """(spline, jumps of its third derivative, a density under it): of a cubic spline through noise
-    the knots' parts are rounded, one by one, and cancel to far less than each of them.
+    """(cubic spline through noise, jumps of its third derivative, solved density).
+
+    The right side is the spline's slope. The parts of the single knots have independent
+    round-off, and their sum is far smaller than each of them.
     """
     rng = np.random.default_rng(3)
     knots = np.linspace(-1, 1, 301)
@@ -261,16 +262,16 @@ def test_the_potential_beside_a_zone_of_many_knots_is_the_primitive_of_its_trans
 ):
     _, third, density = many_knots
     nodes, weights = np.polynomial.legendre.leggauss(24)
-    # In the root of the distance from the end, in which the transform's own is smooth, from a
-    # quarter of the distance on.
+    # The integral is over the root of the distance from the end, in which the transform is
+    # smooth. The distance runs from away / 4 to away.
     root = np.sqrt(away) * (0.75 + 0.25 * nodes)
     rise = float((0.25 * np.sqrt(away) * weights * 2 * root) @ density.transform(0.95 + root**2))
     found = np.diff(density.potential(0.95 + away * np.array([0.25, 1.0])))[0]
-    # Each part is rounded to the last digit of its own, at random.
+    # The tolerance is that of independent round-off of each knot's part.
     assert abs(found - rise) < np.finfo(float).eps * np.linalg.norm(third)
 
 
-def test_coefficients_of_jumps_go_as_far_as_each_zone_asks():
+def test_coefficients_of_jumps_stop_at_the_count_of_each_zone():
     at, orders = (np.array(part) for part in zip(*PLACES, strict=True))
     jumps = ForcingJumps.within(ZONES, at, np.linspace(0.5, 1.5, len(at)), orders, None)
     every, counts = jumps.t_coefficients(ZONES, 40), np.array([7, 40])

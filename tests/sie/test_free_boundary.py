@@ -1,5 +1,5 @@
-"""Free ends: found where the closed forms have them, quadratically, whatever the start, the scale
-and the control.
+"""Free ends: Newton's method finds those of the closed forms and converges quadratically, for
+many first guesses, scales and controls.
 """
 
 import math
@@ -43,7 +43,7 @@ def assert_found(found, form, tolerance=1e-13):
     assert found.converged
     error = end_errors(found, form)
     assert error.max() < tolerance
-    assert np.all(error <= found.end_error + 4e-16)  # the closed forms' own ends are rounded
+    assert np.all(error <= found.end_error + 4e-16)  # ends of the closed forms are rounded
     for i in range(len(form.zones)):
         exact_values = form.at(T, i)
         assert (
@@ -69,8 +69,8 @@ def test_the_wedge_is_found_with_its_kink_inside(start):
 def test_westergaard_is_found_from_first_touch_to_almost_full_contact(share, symmetric):
     form = exact.Westergaard(share, 1.0)
     start = min(0.7 * share, 0.43)
-    # Near full contact the load fixes the gap through its square: rounding over the gap, (1/2 -
-    # a/L).
+    # Near full contact the load determines the square of the gap's half width, 1/2 - a/L. So the
+    # error of the ends is round-off divided by this half width.
     tolerance = max(1e-13, 4e-15 / (0.5 - share), 4e-16 / share)
     found = search(form, [[-start, start]], symmetric=symmetric)
     assert_found(found, form, tolerance)
@@ -80,9 +80,7 @@ def test_westergaard_is_found_from_first_touch_to_almost_full_contact(share, sym
     "starts", [slice(6), pytest.param(slice(6, None), marks=pytest.mark.slow)], ids=["few", "more"]
 )
 @pytest.mark.parametrize("share", [0.495, 0.499, 0.4995])
-def test_what_is_stated_of_ends_next_to_full_contact_holds_from_wherever_the_search_begins(
-    share, starts
-):
+def test_the_stated_error_of_ends_near_full_contact_holds_for_any_first_guess(share, starts):
     form, chance = exact.Westergaard(share, 1.0), np.random.default_rng(5)
     for left, right in chance.uniform(0.6, 1.0, (25, 2))[starts]:
         found = search(form, [[-0.44 * left, 0.44 * right]])
@@ -109,7 +107,7 @@ def test_a_sharp_end_stays_while_the_free_one_is_found():
     assert found.density.zones.b[0] == 0.9
 
 
-def test_ends_of_a_density_off_by_a_millionth_do_not_pass():
+def test_ends_wrong_by_a_millionth_are_detected():
     found = search(exact.Hertz(1.0, 1 + 1e-6), [(-0.6, 0.9)])
     with pytest.raises(AssertionError):
         assert_found(found, exact.Hertz(1.0 + 1e-6))
@@ -143,7 +141,6 @@ def test_a_level_instead_of_the_total_finds_the_same_ends():
 def test_ends_of_prescribed_intensity_are_found(start, intensity):
     form = exact.PrescribedIntensity(1.0, intensity)
     found = search(form, [start], 1e-12, sie.free_with_intensity(intensity))
-    # The Jacobian is differenced: the last step is right to 1e-10 of itself.
     assert found.converged
     assert end_errors(found, form).max() < 1e-12
     assert np.array(found.density.intensities) == pytest.approx(
@@ -178,7 +175,7 @@ def test_prescribed_intensity_and_total_width_together_find_the_total():
 # Newton
 # --------------------------------------------------------------------------------------------------------------
 def order(found):
-    """Exponent q of move_{n+1} ~ move_n^q over the steps between the first and rounding."""
+    """Exponent q in move_{n+1} ~ move_n^q, fitted to moves between 1e-12 (round-off) and 0.2."""
     moves = np.array([step.move for step in found.trace])
     inside = (moves < 0.2) & (moves > 1e-12)
     steps = np.flatnonzero(inside[:-1] & inside[1:])
@@ -228,11 +225,11 @@ def test_at_the_solution_each_intensity_depends_on_its_own_end_only(form):
             change -= np.array(intensities(form, form.zones - outward).intensities)
             expected = np.zeros((2, count))
             expected[side, j] = -0.5 * slopes[side, j]
-            # Central differences, of second order in 1e-5.
+            # The central difference has a relative error of the order of 1e-5 squared.
             assert change / (2 * h) == pytest.approx(expected, abs=1e-8 * np.abs(slopes).max())
 
 
-def test_the_trace_tells_the_steps():
+def test_the_trace_lists_the_steps():
     found = search(exact.Hertz(1.0), [(-0.6, 0.9)])
     assert len(found.trace) == 5
     assert found.trace[0].zones == pytest.approx(np.array([[-0.6, 0.9]]))
@@ -269,7 +266,7 @@ def test_zones_are_found_many_periods_away_to_the_rounding_of_their_place(period
     found = sie.find_ends(equation, sie.Zones.of(periods + np.array([[-0.2, 0.25]])), 1e-13)
     assert found.converged
     error = np.abs(found.density.zones.table - periods - form.zones) / 0.6
-    # sin(2 pi x) is known to 2 pi eps |x|.
+    # At the place x, sin(2 pi x) has a round-off of 2 pi eps |x|.
     assert error.max() < max(1e-13, 10 * np.spacing(abs(float(periods))))
     assert np.all(error <= found.end_error + 4e-16)
 
@@ -309,7 +306,7 @@ def test_ends_just_short_of_a_kink_are_found():
             assert found.density.zones.table == pytest.approx(np.array([[-1.0, 1.0]]), abs=2e-12)
 
 
-# What cannot be found
+# Problems without a solution
 # ------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("total", [0.0, -1.0])
 def test_a_total_no_zone_can_have_loses_the_zone(total):
@@ -345,11 +342,13 @@ def test_few_steps_are_not_convergence():
     assert found.end_error.max() > 1e-3
 
 
-# Which root, and why it stopped
+# Stability, and reasons for the end of a search
 # --------------------------------------------------------------------------------------
 def adhesive(total, start, intensity=-0.2, **options):
-    """g = x: K = (P / pi - a^2 / 2) / sqrt(2 a), so that P(a) = pi (a^2 / 2 + K sqrt(2 a)) falls to
-    its fold and rises from there.
+    """Search for the ends with g = x, a given total P and a given intensity K.
+
+    On a zone of half width a, P(a) = pi (a^2 / 2 + K sqrt(2 a)). With K < 0, P falls with growing
+    a to a minimum, the fold, and rises from there.
     """
     end = sie.free_with_intensity(intensity)
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(total),))
@@ -361,7 +360,7 @@ def adhesive(total, start, intensity=-0.2, **options):
 @pytest.mark.parametrize(
     ("start", "stable"), [(0.05, False), (0.1, False), (0.4, True), (1.5, True)]
 )
-def test_of_two_roots_the_one_that_was_found_is_told(start, stable):
+def test_of_two_roots_the_one_found_is_reported_as_stable_or_unstable(start, stable):
     found = adhesive(-0.3, (-start, 1.1 * start))
     half = 0.5 * float(np.diff(found.density.zones.table)[0, 0])
     assert found.converged
@@ -371,14 +370,14 @@ def test_of_two_roots_the_one_that_was_found_is_told(start, stable):
     assert ("unstably" in found.reason) != stable
 
 
-def test_past_the_fold_the_reason_is_told():
+def test_a_load_past_the_fold_is_the_reason_reported():
     for start in ((-0.05, 0.06), (-0.3, 0.3), (-1.0, 1.2)):
         found = adhesive(-0.4, start)
         assert not found.converged and found.stable is None
         assert "past a fold" in found.reason
 
 
-def test_a_width_that_is_held_makes_an_unstable_root_stable():
+def test_a_given_width_makes_an_unstable_root_stable():
     end = sie.free_with_intensity(-0.2)
     equation = sie.Equation(
         sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(None),), (), (sie.TotalWidth(0.27),)
@@ -404,7 +403,7 @@ def test_a_crack_is_stable_where_its_intensity_falls_as_it_grows(load, start, st
     assert found.converged and found.stable == stable
 
 
-def test_a_crack_that_may_be_anywhere_is_told_so():
+def test_a_crack_whose_position_is_undetermined_is_reported():
     left, right = sie.free_with_intensity(-0.3), sie.free_with_intensity(0.3)
     equation = sie.Equation(
         sie.cauchy(), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),)
@@ -436,9 +435,10 @@ def test_every_search_says_why_it_stopped():
     assert "shrunk away" in sie.find_ends(equation, sie.Zones.of([[-1, 1]])).reason
 
 
-def test_an_end_beside_which_the_density_has_hardly_a_slope_does_not_tell_the_unknown_value():
-    # The narrow zone asks to be a million times as wide; it will be made half as wide again at
-    # either end.
+def test_an_end_with_almost_no_edge_slope_does_not_determine_the_unknown_value_alone():
+    # An undamped step would widen the narrow zone enormously. Damping limits each of its ends to
+    # half of its width, 0.01 together. The ends of the wide zone must supply the rest of the
+    # missing width 0.1.
     zones = sie.Zones.of([[0.0, 1.0], [2.0, 2.01]])
     held = SimpleNamespace(end_conditions=(sie.TotalWidth(1.11),))
     slope = np.array([[1.0, 1e6], [1.0, 1e6]])
@@ -447,7 +447,7 @@ def test_an_end_beside_which_the_density_has_hardly_a_slope_does_not_tell_the_un
     np.testing.assert_allclose(delta, change * slope)
 
 
-def test_a_zone_that_step_by_step_asks_for_nothing_to_be_left_of_it_is_lost():
+def test_zones_that_undamped_steps_would_remove_several_times_are_lost():
     zones = sie.Zones.of([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
     progress = Progress(sie.NewtonOptions(), 1e-12, np.ones(3), np.ones(3))
     asked = [[False, True, False], [False, True, True], [False, True, True]]
@@ -455,5 +455,6 @@ def test_a_zone_that_step_by_step_asks_for_nothing_to_be_left_of_it_is_lost():
         progress.vanished(zones, np.ones(3), np.array(one), np.zeros(3, dtype=bool))[0].tolist()
         for one in asked
     ]
-    # The search begins anew: with it goes the other one that has asked more than once.
+    # Three steps in a row would remove zone 1, so it is lost. Zone 2 is lost together with it,
+    # because two steps in a row would remove zone 2.
     assert lost == [[], [], [1, 2]]

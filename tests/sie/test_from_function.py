@@ -1,4 +1,4 @@
-"""Densities that are given as functions: their fields, and what is refused with which reason."""
+"""Densities given as functions: their fields, and the reasons for which functions are refused."""
 
 import mpmath as mp
 import numpy as np
@@ -6,7 +6,7 @@ import pytest
 
 import sie
 
-# For kinds of ends, the powers of the distances from the left and the right end.
+# For the kinds of the left and the right end, the powers of the distances from these ends.
 ENDS = {
     (sie.SINGULAR, sie.SINGULAR): (-0.5, -0.5),
     (sie.SINGULAR, sie.FREE): (-0.5, 0.5),
@@ -78,7 +78,7 @@ def test_bounded_ends_keep_their_digits():
         (3.0, sie.FREE, "must be a function"),
     ],
 )
-def test_what_is_no_such_density_is_refused_with_its_reason(f, kind, message):
+def test_a_function_that_is_no_density_is_refused_with_its_reason(f, kind, message):
     with pytest.raises(ValueError, match=message):
         sie.Density.from_function(f, sie.Zones.of([[-1.0, 1.0]], kind, kind))
 

@@ -1,4 +1,4 @@
-"""Narrow gaps beside singular and bounded ends: exact solutions over many decades of gaps."""
+"""Narrow gaps beside singular and bounded ends: exact solutions for gap widths of many decades."""
 
 from __future__ import annotations
 
@@ -23,17 +23,18 @@ def still(x):
 
 
 def sides() -> tuple[np.ndarray, np.ndarray]:
-    """Distances from both ends in half widths, many decades from either end."""
+    """(distances from the left end, from the right end), in half widths, over many decades."""
     few = np.concatenate((10.0 ** np.arange(-13, 0, 0.5), [0.6, 1.0]))
     return np.concatenate((few, 2 - few)), np.concatenate((2 - few, few))
 
 
 @dataclass
 class Design:
-    """An exact solution: F = Q - X M, with X^2 a product of (z - end) or of 1 / (z - end).
+    """An exact solution with the transform F = Q - X M off the zones.
 
-    The density is the absolute value of X times M, with a sign on each zone. powers: the exponents
-    of X at left and at right ends, 1/2 or -1/2; factor: M as a function of x.
+    X^2 is a product of factors (z - end) or 1 / (z - end). The density is the absolute value of X
+    M, with a sign on each zone. powers: the exponents of X at left and at right ends, 1/2 or
+    -1/2; factor: M as a function of x.
     """
 
     table: np.ndarray
@@ -42,7 +43,7 @@ class Design:
     period: float | None = None
 
     def at(self, zone: int, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """The absolute value of the density, from distances from a zone's ends in half widths."""
+        """Absolute value of the density at distances from a zone's ends, in half widths."""
         a, b = self.table.T
         half = 0.5 * (b[zone] - a[zone])
         from_a, from_b = left * half, right * half
@@ -77,7 +78,7 @@ class Design:
 
 
 def hold(found: sie.Solution, design: Design, most: float = 1e-10) -> None:
-    """The density is a graded one, its error is within the stated one, and that is at most `most`."""
+    """Assert that the density is graded and that its error <= the stated error <= `most`."""
     assert isinstance(found.density, sie.GradedDensity)
     error, errors = design.errors(found.density)
     assert error <= found.error <= most
@@ -108,9 +109,10 @@ def test_collinear_cracks_under_pressure_have_willmore_s_intensities(gap):
 @pytest.mark.parametrize("gap", [1e-4, 1e-6, *GAPS[2::3]])
 @pytest.mark.parametrize("narrow", [False, True])
 def test_the_capacitance_of_a_strip_line_is_that_of_elliptic_integrals(gap, narrow):
-    """Two strips at the potentials -1/2 and 1/2 bear the charges K(k') / (2 K(k)), k the ratio of
-    the gap to the whole width; with a strip that is narrower than the other one, k follows from the
-    cross ratio of the four ends.
+    """Strips at the potentials -1/2 and 1/2 bear the charges -Q and Q with Q = K(k') / (2 K(k)).
+
+    For equal strips, k is the ratio of the gap to the whole width. If one strip is narrower than
+    the other, k follows from the cross ratio of the four ends.
     """
     ends = np.array([-1.0, -0.5 * gap, 0.5 * gap, 0.5 * gap + (3e-5 if narrow else 1.0)])
     with mpmath.workdps(40):
@@ -122,7 +124,7 @@ def test_the_capacitance_of_a_strip_line_is_that_of_elliptic_integrals(gap, narr
         k = (1 - root) / (1 + root)
         charge = float(mpmath.ellipk(1 - k**2) / (2 * mpmath.ellipk(k**2)))
     potentials = sie.Forcing(still, lambda x: np.where(x > 0, 0.5, -0.5))
-    # The levels are for charges that balance each other, so that the datum does not matter.
+    # The two charges add up to zero, so the datum does not matter.
     strips = sie.Equation(sie.cauchy(), potentials, (sie.EqualPotential(), sie.Total(0.0)))
     found = sie.solve(strips, sie.Zones.of(ends.reshape(2, 2), S, S))
     assert isinstance(found.density, sie.GradedDensity) and found.error < 1e-10
@@ -133,7 +135,8 @@ def test_the_capacitance_of_a_strip_line_is_that_of_elliptic_integrals(gap, narr
 def test_plates_at_one_potential_share_their_charge_as_the_closed_form_says(gap):
     """phi = |x| / (pi sqrt((x^2 - k^2)(1 - x^2))): next to the gap there is hardly any charge.
 
-    A difference of the plates' potentials by round-off brings the density round-off / sqrt(gap).
+    Round-off in the difference of the plates' potentials changes the density by about round-off /
+    sqrt(gap).
     """
     k, tol = 0.5 * gap, max(1e-10, 1e-14 / gap**0.5)
     charge = sie.Equation(
@@ -142,7 +145,7 @@ def test_plates_at_one_potential_share_their_charge_as_the_closed_form_says(gap)
     found = sie.solve(charge, sie.Zones.of([[-1, -k], [k, 1]], S, S), tol)
     hold(found, Design(found.zones.table, (-0.5, -0.5), lambda x: x / np.pi), tol)
     assert found.density.totals == pytest.approx([0.5, 0.5], rel=1e-12)
-    # Level(v) with the value that this total has gives the same charge back.
+    # If the potential just found is prescribed by Level(v), the charge must be the same.
     level = float(found.levels.mean())
     again = sie.solve(
         sie.Equation(sie.cauchy(), sie.Forcing(still, still), sie.Level(level)), found.zones, tol
@@ -153,7 +156,11 @@ def test_plates_at_one_potential_share_their_charge_as_the_closed_form_says(gap)
 @pytest.mark.parametrize("period", [None, 3.0])
 @pytest.mark.parametrize("gap", GAPS)
 def test_plates_in_tandem_with_bounded_trailing_edges(gap, period):
-    """F = 1 - X with X = sqrt(prod (z - b) / (z - a)); with a period both are divided by a cosine."""
+    """F = 1 - X with X = sqrt(prod (z - b) / (z - a)).
+
+    With a period L, the distances in X are replaced by their sines, and X is divided by cos(pi W
+    / (2 L)), where W is the sum of the widths.
+    """
     table = np.array([[-1.0, 0.0], [gap, 1.0]])
     design = tandem(table, period)
     kernel = sie.cauchy() if period is None else sie.hilbert(period)
@@ -169,9 +176,11 @@ def tandem(table: np.ndarray, period: float | None) -> Design:
 
 @pytest.mark.parametrize("gap", [1e-4, 1e-8, 1e-12])
 def test_a_narrow_gap_across_the_border_of_the_period(gap):
-    """Both ends beside the gap, with X of the test above from distances that have all digits."""
+    """The density at both ends of the gap, against X of the test above, which is computed from
+    distances without cancellation.
+    """
     stop = 1.0 - gap
-    gap = 1.0 - stop  # that of the rounded end
+    gap = 1.0 - stop  # the gap beside the rounded end
     zones = sie.Zones.of([[0.0, 0.4], [0.7, stop]], S, B)
     found = sie.solve(sie.Equation(sie.hilbert(1.0), np.ones_like), zones)
     assert isinstance(found.density, sie.GradedDensity) and found.error < 1e-10
@@ -194,8 +203,8 @@ def test_a_narrow_gap_across_the_border_of_the_period(gap):
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
-def test_ends_all_bounded_with_columns_that_answer_them(gap):
-    """F = z + c + X(p)/(z - p) - X/(z - p): the amplitudes of x and of 1 are 1 and c."""
+def test_bounded_ends_with_two_columns_of_unknown_amplitude(gap):
+    """F = z + c + X(p)/(z - p) - X/(z - p), so the amplitudes of the columns x and 1 are 1 and c."""
     table, pole = np.array([[-1.0, 0.0], [gap, 0.7]]), 1.6
     value = np.sqrt(np.prod(pole - table))
     equation = sie.Equation(
@@ -222,7 +231,7 @@ def test_many_plates_with_widths_and_gaps_of_many_decades():
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-7, 1e-11])
-def test_the_mirror_image_is_solved_with_half_of_the_unknowns(gap):
+def test_symmetric_zones_are_solved_with_half_of_the_unknowns(gap):
     k = 0.5 * gap
     table = np.array([[-3.0, -1.0 - gap], [-1.0, -k], [k, 1.0], [1.0 + gap, 3.0]])
     odd = sie.Forcing(lambda x: np.sin(x), lambda x: -np.cos(x))
@@ -260,7 +269,9 @@ KERNELS = {
 
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_graded_and_plain_coordinates_agree_where_both_resolve_the_gap(kernel, monkeypatch):
-    """All kinds of ends and conditions, a column, and fields on the line and in the plane."""
+    """At a gap of 1e-3, graded coordinates and plain Chebyshev modes are both accurate. They must
+    give the same totals, amplitudes, edges, levels, and fields on the line and in the plane.
+    """
     forcing = sie.Forcing(np.cos, np.sin)
     column = sie.Forcing(lambda x: x, lambda x: 0.5 * x**2)
     conditions = sie.moment(0.3), sie.EqualPotential()
@@ -353,8 +364,8 @@ def test_jumps_and_powers_agree_with_plain_coordinates(kind, kernel, monkeypatch
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_a_step_of_the_pressure_on_cracks_obeys_the_reciprocal_theorem(gap):
-    """For right sides G', H' and totals zero, int G phi_H = int H phi_G; here G = x and H =
-    max(x - s, 0), whose integral with phi_G is that of the opening from s on.
+    """For right sides G', H' and totals zero, int G phi_H = int H phi_G. Here G = x and H = max(x
+    - s, 0). Then int H phi_G is the integral of the crack's opening from s to the end.
     """
     k, s = 0.5 * gap, 0.4
     zones = sie.Zones.of([[-1.0, -k], [k, 1.0]], S, S)
@@ -363,7 +374,7 @@ def test_a_step_of_the_pressure_on_cracks_obeys_the_reciprocal_theorem(gap):
     even = sie.solve(sie.Equation(sie.cauchy(), np.ones_like, sie.ZoneTotals(0.0)), zones)
     assert isinstance(stepped.density, sie.GradedDensity) and stepped.error < 1e-10
     y, weight = np.polynomial.legendre.leggauss(60)
-    root = 0.5 * (1 + y)  # the opening has a root at the crack's end
+    root = 0.5 * (1 + y)  # the opening varies as a root near the crack's end
     opening = -even.density.integral(1.0 - (1.0 - s) * root**2)
     wanted = float(np.sum(opening * (1.0 - s) * root * weight))
     assert stepped.density.moment() == pytest.approx(wanted, rel=1e-12)
@@ -371,7 +382,9 @@ def test_a_step_of_the_pressure_on_cracks_obeys_the_reciprocal_theorem(gap):
 
 @pytest.mark.parametrize("gap", [1e-4, 1e-7, 1e-11])
 def test_equation_and_level_hold_at_all_places_of_the_zones(gap):
-    """Also where the charges fall towards the gap, so that they are divided before their series."""
+    """In the first case the charge density falls towards the gap. The solver then divides the
+    density by this decay before it expands the quotient in a series.
+    """
     t = np.concatenate((np.linspace(-0.97, 0.97, 23), [1 - 1e-3, 1 - 1e-5]))
     row = sie.Equation(sie.hilbert(1.0), sie.Forcing(still, still), sie.Total(1.0))
     tol = max(1e-10, 1e-12 / gap**0.5)  # round-off of the potential over the narrow gap
@@ -388,7 +401,7 @@ def test_equation_and_level_hold_at_all_places_of_the_zones(gap):
 
 @pytest.mark.parametrize("gap", quick([1e-5, 1e-10], [1e-10]))
 def test_fields_beside_the_gap_are_those_of_the_closed_form(gap):
-    """F = 1 - (z^2 - c) / (sqrt(z^2 - k^2) sqrt(z^2 - 1)) of two cracks, from 1e-3 gaps on."""
+    """Two cracks: F = 1 - (z^2 - c) / (sqrt(z^2 - k^2) sqrt(z^2 - 1)), k half of the gap."""
     k = 0.5 * gap
     cracks = sie.Equation(sie.cauchy(), np.ones_like, sie.ZoneTotals(0.0))
     density = sie.solve(cracks, sie.Zones.of([[-1, -k], [k, 1]], S, S)).density
@@ -427,7 +440,10 @@ def test_fields_beside_the_gap_are_those_of_the_closed_form(gap):
 
 
 def charge_beside(gap: mpmath.mpf, on_right: bool) -> float:
-    """The charge of one zone of the next test; d = gap sinh(v)^2 is the distance from the gap."""
+    """Charge of one zone of the next test, without sign, by quadrature over v.
+
+    The distance from the gap is d = gap sinh(v)^2.
+    """
     end = mpmath.mpf(0.7)
     reach = end - gap if on_right else mpmath.mpf(1)
 
@@ -444,7 +460,7 @@ def charge_beside(gap: mpmath.mpf, on_right: bool) -> float:
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_free_ends_are_found_on_the_far_sides_of_fixed_ends_beside_a_gap(gap):
-    """F = Q - X M with X^2 = (z - a)(z - b) / (z (z - gap)), M = z + 2, of free ends a and b."""
+    """F = Q - X M with X^2 = (z - a)(z - b) / (z (z - gap)), M = z + 2 and the free ends a and b."""
     with mpmath.workdps(30):
         charges = [charge_beside(mpmath.mpf(gap), on_right) for on_right in (False, True)]
     shift = 2 + 0.5 * (1.0 - 0.7 + gap)
@@ -460,7 +476,7 @@ def test_free_ends_are_found_on_the_far_sides_of_fixed_ends_beside_a_gap(gap):
 
 def test_a_user_s_condition_on_one_zone_is_met():
     class First(sie.Condition):
-        """The intensity at the right end of the first zone is a given one."""
+        """Condition: the intensity at the right end of the first zone is 2."""
 
         def rows(self, system):
             _, (matrix, constants) = system.intensities()
@@ -515,7 +531,7 @@ def test_capacity_report_and_residual_of_a_solution(gap):
 
 
 class Balanced(sie.Condition):
-    """The total of the first zone is half of the one: by symmetry, the potentials are equal."""
+    """Condition: the first zone bears half of the total, so both potentials are equal."""
 
     def rows(self, system):
         matrix, constants = system.totals()
@@ -532,7 +548,9 @@ class TestGrading:
         assert back.right == pytest.approx(places.right, rel=1e-13)
 
     def test_the_cauchy_kernel_is_one_over_the_distance(self):
-        """On pairs of places near either end, where distances from it have all digits."""
+        """The distance of two places is the difference of their distances from the nearer end,
+        which has all digits.
+        """
         points, sources = graded.collocation(self.GRADING, 40), graded.gauss(self.GRADING, 40)
         x = points.from_a[:, None] - sources.from_a
         other = sources.from_b - points.from_b[:, None]

@@ -1,5 +1,5 @@
-"""The basis on one interval: its closed forms off it keep their digits beside an end and far away,
-however the points are given.
+"""Basis functions of one interval. Their closed forms off the interval keep all digits beside an
+end and far away, in each way in which points are given.
 """
 
 import mpmath
@@ -84,7 +84,7 @@ def test_the_potential_is_continuous_at_the_ends_and_has_its_mean():
     assert theta(np.array([2.0]), np.array([0.0]))[0] == 0.0
 
 
-def test_what_vanishes_at_an_end_has_no_singularity_beside_it():
+def test_a_density_that_vanishes_at_an_end_has_no_singular_field_beside_it():
     seen, row = Outside(1.0, np.array([1e-30])), np.zeros(1, dtype=int)
     u = np.array([[0.5, -0.25]])
     assert transform_of(np.zeros(1), np.zeros(1), u, seen, row) == pytest.approx([0.25])

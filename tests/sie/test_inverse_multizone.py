@@ -1,5 +1,5 @@
-"""Any number of zones, made exact by inverse design: free ends found from starts a fifth of a width
-off.
+"""Contacts of up to twelve zones with an exact solution by inverse design. Newton's method finds
+their free ends from first guesses that are wrong by up to a fifth of a width.
 """
 
 import numpy as np
@@ -17,28 +17,29 @@ T = np.linspace(-0.99, 0.99, 41)
 
 @st.composite
 def designs(draw, spread=3.0, most=12):
-    """(problem, its equation, a start): 2 to `most` zones alone or within a period 1, widths and
-    gaps within `spread`.
+    """(problem, its equation, first guess) with 2 to `most` zones, isolated or with the period 1.
+
+    Widths and gaps differ by factors of at most about `spread`.
     """
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     period = draw(st.sampled_from([None, 1.0]))
-    # Alone, the loads of many zones differ by a million, and a fifth of a heavy one drowns a light
-    # one.
+    # Without a period, the loads of many zones differ by factors of a million. An error of a
+    # fifth of a heavily loaded zone would exceed the load of a light one.
     count = draw(st.integers(2, most if period else min(most, 6)))
     problem = inverse.random_problem(rng, count, period, E_star=2.0, spread=spread)
     return problem, equation_of(problem), perturbed(problem, rng, draw(st.floats(0.0, 0.2)))
 
 
 def equation_of(problem):
-    """E* = 2: the right side is f'."""
+    """Equation of the problem; since E* = 2, its right side is the profile's slope f'."""
     kernel = sie.cauchy() if problem.period is None else sie.hilbert(problem.period)
     forcing = sie.Forcing(problem.profile.slope, problem.profile.height)
     return sie.Equation(kernel, forcing, (sie.Total(problem.load), sie.EqualPotential()))
 
 
 def perturbed(problem, rng, share):
-    """Every end moved by up to `share` of its zone's width, and by no more than 0.4 of the gap
-    beside it.
+    """The ends, each moved by up to `share` of its zone's width, outward by at most 0.4 of the
+    gap beside it.
     """
     ends, widths = problem.zones, problem.zone_widths
     between = ends[1:, 0] - ends[:-1, 1]
@@ -49,7 +50,7 @@ def perturbed(problem, rng, share):
 
 
 def pressure_error(problem, density):
-    """Largest difference at equal t over the largest pressure of all zones."""
+    """Largest error at equal positions t in the zones, divided by the largest pressure."""
     peak = max(problem.pressure_at(T, i).max() for i in range(len(problem.zones)))
     return (
         max(
@@ -68,7 +69,7 @@ def test_all_ends_and_pressures_are_found_from_a_fifth_of_a_width_off(case):
     assert found.converged
     assert error.max() < 1e-9
     assert pressure_error(problem, found.density) < 1e-9
-    # The design's own ends are rounded.
+    # The ends of the design are rounded, too.
     assert np.all(error <= found.end_error + 4 * EPS)
 
 
@@ -93,7 +94,7 @@ def test_widths_and_gaps_may_differ_by_ten(case):
 
 
 @given(designs())
-def test_on_the_exact_zones_nothing_is_singular(case):
+def test_on_the_exact_zones_the_pressure_and_the_loads_are_those_of_the_design(case):
     problem, equation, _ = case
     density = sie.solve_fixed(equation, sie.Zones.of(problem.zones)).density
     assert pressure_error(problem, density) < 1e-11
@@ -114,7 +115,7 @@ def test_between_the_zones_the_slope_of_the_gap_is_that_of_the_design(case):
 
 
 @given(designs(most=6))
-def test_a_design_off_by_a_millionth_does_not_pass(case):
+def test_a_load_wrong_by_a_millionth_is_detected(case):
     problem, equation, start = case
     wrong = inverse.design(problem.zones, 2.0, problem.load * (1 + 1e-6), problem.period)
     found = sie.find_ends(equation, sie.Zones.of(start), 1e-12)
@@ -129,7 +130,7 @@ def test_nearly_touching_zones_are_found_from_a_tenth_of_a_width_off(gap, period
         found = sie.find_ends(equation_of(problem), sie.Zones.of(start), 1e-12)
         error = np.abs(found.density.zones.table - problem.zones) / problem.zone_widths[:, None]
         assert found.converged
-        # By the gap, an end is known to rounding over (gap / width)^2.
+        # Round-off changes an end beside the gap by about EPS / (gap / width)^2.
         assert error.max() < 100 * EPS / gap**2
         assert pressure_error(problem, found.density) < 100 * EPS / gap**2
 
@@ -163,8 +164,8 @@ def test_the_error_falls_with_the_coupled_modes_as_the_distance_of_the_zones_pre
     rate = -np.polyfit(modes[clear], np.log(errors[clear]), 1)[0]
     z = 1 + gap / (0.5 * (1 - 0.5 * gap))
     predicted = np.log(z + np.sqrt(z * z - 1))
-    # What the other zone does is singular at its near end, z: its coefficients fall like rho^m,
-    # times powers of m.
+    # The field of the other zone is singular at that zone's near end z. So the coefficients decay
+    # as exp(-predicted m), times a power of m.
     assert rate == pytest.approx(predicted, rel=0.07)
 
 

@@ -1,5 +1,5 @@
-"""Prescribed intensities on very many zones: what iteration finds is what the matrix of all rates
-finds, in steps that do not grow.
+"""Prescribed intensities on very many zones. Iteration finds the same ends as the matrix of all
+rates, and the number of its steps does not grow with the number of zones.
 """
 
 import numpy as np
@@ -18,8 +18,10 @@ ADHERING = sie.free_with_intensity(-0.01)
 
 
 def problem(count, name):
-    """Adhering bumps: each under a load, all at one level, or under a load that makes their widths
-    add up.
+    """(equation, first guess of the ends) of adhering bumps, under the control `name`.
+
+    loads: each bump has a given load; level: the bumps share a level and a total load; width: the
+    bumps share a level, and the sum of their widths is given.
     """
     at = np.arange(count) - 0.5 * (count - 1) * (count % 2)
     half = 0.12 * (1 + 0.05 * np.random.default_rng(0).standard_normal(count))
@@ -43,7 +45,9 @@ def both(monkeypatch, solve):
 
 @pytest.mark.parametrize("symmetric", [False, True])
 @pytest.mark.parametrize("name", ["loads", "level"])
-def test_motions_do_the_same_by_fast_sums_and_by_the_matrix(monkeypatch, name, symmetric):
+def test_rates_and_motions_of_ends_agree_between_fast_sums_and_the_matrix(
+    monkeypatch, name, symmetric
+):
     equation, table = problem(7, name)
     zones = sie.Zones.of(table, ADHERING, ADHERING, symmetric=symmetric)
     direct, iterated = both(monkeypatch, lambda: sie.solve_fixed(equation, zones))
@@ -83,7 +87,7 @@ def test_the_ends_found_are_those_found_with_all_rates(monkeypatch, name):
     assert away.max() < direct.end_error.max() + iterated.end_error.max() < 1e-8
 
 
-def test_an_unstable_root_is_told_by_iteration_too(monkeypatch):
+def test_an_unstable_root_is_recognized_by_iteration_too(monkeypatch):
     equation, table = problem(6, "loads")
     middle = table.mean(axis=1)
     zones = sie.Zones.of(np.column_stack((middle - 0.01, middle + 0.01)), ADHERING, ADHERING)
@@ -92,9 +96,9 @@ def test_an_unstable_root_is_told_by_iteration_too(monkeypatch):
         assert found.converged and found.stable is False
 
 
-def test_ends_that_the_intensities_do_not_tell_are_not_called_known(monkeypatch):
-    """A row of cracks under an even load may be anywhere: by iteration the error stated holds the
-    difference, or there is none.
+def test_ends_that_the_intensities_do_not_determine_have_no_small_stated_error(monkeypatch):
+    """Cracks under a uniform load may be shifted along the line without a change. The iterative
+    search must then fail or state a large error of the ends.
     """
     even = sie.Equation(
         sie.hilbert(12.0), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),)
@@ -124,9 +128,9 @@ def test_steps_do_not_grow_with_the_number_of_zones(monkeypatch, name):
     assert counts[1] <= counts[0] + 2 <= 12
 
 
-def test_what_is_carried_to_moved_ends_is_off_by_the_square_of_their_motion(monkeypatch):
-    """With ends that are free a density changes so, at fixed places: from there the next solution
-    by iteration starts.
+def test_the_warm_start_on_moved_ends_has_an_error_of_second_order(monkeypatch):
+    """If free ends move, the density at fixed places changes by the square of their motion. The
+    next solution by iteration starts from this density.
     """
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=1))
     equation, table = problem(6, "level")

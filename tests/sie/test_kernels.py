@@ -1,4 +1,4 @@
-"""Kernels: what is left when the poles are taken out, and the limit of ever more images."""
+"""Kernels: the regular part that remains without the poles, and the limit of many images."""
 
 import mpmath
 import numpy as np
@@ -11,7 +11,7 @@ DISTANCES = [-0.99, -0.5, -0.123, -1e-9, 0.0, 1e-9, 0.3, 0.75, 0.99]
 
 
 def regular_in_30_digits(d, period):
-    """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
+    """(pi/L) cot(pi d/L) without its poles at 0 and +-L, to 30 digits."""
     with mpmath.workdps(50):
         d, length = mpmath.mpf(d), mpmath.mpf(period)
         d = d + mpmath.mpf(10) ** -30
@@ -44,7 +44,7 @@ def test_the_regular_potential_has_the_regular_kernel_for_derivative(share):
     kernel, h = sie.hilbert(2.0), 2e-3
     x = 2.0 * share + np.array([-2, -1, 1, 2]) * h
     slope = np.dot(kernel.regular_potential(x, np.zeros(4)), [1 / 12, -2 / 3, 2 / 3, -1 / 12]) / h
-    # Differences of fourth order: h^4 f^(5) / 30, and rounding 1e-16 / h.
+    # The fourth-order difference has an error of h^4 f^(5) / 30 and a round-off of 1e-16 / h.
     assert slope == pytest.approx(
         float(kernel.regular(np.array(2.0 * share), np.array(0.0))), abs=1e-11
     )
@@ -64,13 +64,13 @@ def test_images_come_to_the_periodic_kernel_like_one_over_their_number():
         assert len(kernel.poles) == 2 * m + 1
         assert kernel.poles[0] == 0.0
         errors.append(sum(1 / (d - s) for s in kernel.poles) - exact)
-    # sum over k > m of 2 d/(k^2 - d^2) = 2 d/(m + 1/2) to second order
+    # The sum over k > m of 2 d/(k^2 - d^2) is 2 d/(m + 1/2), to second order in 1/m.
     order = -np.polyfit(np.log(counts + 0.5), np.log(np.abs(errors)), 1)[0]
     assert order == pytest.approx(1.0, abs=0.01)
     assert errors[-1] == pytest.approx(2 * d / 64.5, rel=1e-3)
 
 
-def test_a_load_on_images_comes_to_the_periodic_one():
+def test_the_total_with_images_tends_to_that_with_a_period():
     half, length = 0.2, 1.0
     forcing = sie.Forcing(lambda x: np.sin(2 * np.pi * x))
     ends = sie.Zones.of([[-half, half]], sie.BOUNDED, sie.BOUNDED, symmetric=True)
@@ -78,8 +78,8 @@ def test_a_load_on_images_comes_to_the_periodic_one():
     counts = np.array([8, 16, 32, 64])
     equations = [sie.Equation(sie.images(length, int(m)), forcing, ()) for m in counts]
     totals = [sie.solve_fixed(equation, ends).density.total for equation in equations]
-    # Here the missing images' field is 2 d / (m + 1/2): odd in d, so it changes the total to first
-    # order.
+    # The kernel lacks about 2 d / (m + 1/2) at the distance d. So the error of the total falls as
+    # 1 / (m + 1/2).
     order = -np.polyfit(np.log(counts + 0.5), np.log(np.abs(np.array(totals) - periodic)), 1)[0]
     assert order == pytest.approx(1.0, abs=0.03)
 

@@ -94,7 +94,7 @@ def by_matrix_and_by_sums(monkeypatch, equation, zones):
     return direct, iterated
 
 
-# None at all: rows of aerofoils, each with a bounded trailing edge
+# Without side conditions: rows of aerofoils with bounded trailing edges
 # -----------------------------------------------------------
 @pytest.mark.parametrize("gap", [0.5, 1e-3])
 def test_zones_without_side_conditions_tell_their_error(gap):
@@ -135,7 +135,7 @@ def test_what_is_too_large_for_a_matrix_and_has_no_fast_sums_is_refused_by_name(
         )
 
 
-# A user's own
+# A user's own condition
 # -----------------------------------------------------------------------------------------------------------------
 OWN = {
     "some levels": ((sie.ZoneTotals(0.1), SameLevel(0, 3)), (CONSTANT,)),
@@ -192,7 +192,7 @@ def test_a_condition_of_ones_own_holds_whatever_the_width_of_a_gap(condition, ga
     assert isinstance(without, SlitState) == (gap < 0.1)
 
 
-# One of every zone
+# A condition for every zone
 # ------------------------------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class EveryZone(Condition):
@@ -343,7 +343,7 @@ def test_zone_totals_of_a_wrong_length_and_columns_that_are_not_there_are_refuse
         sie.Amplitude(-1)
 
 
-# What rounding of the conditions does
+# Round-off of the conditions
 # ------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("gap", [1e-1, 1e-2, 3e-3])
 def test_rounding_of_the_side_conditions_is_in_the_stated_error(gap):
