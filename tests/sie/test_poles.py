@@ -1,5 +1,5 @@
-"""Algebraic points as poles: the sum of poles, the closed forms of one against its series, and
-equations with known answers.
+"""Algebraic points of the right side as sums of poles: the error of such a sum, the closed forms
+of a pole compared with its series, and equations with known solutions.
 """
 
 from dataclasses import replace
@@ -21,7 +21,7 @@ EXPONENTS = (-0.4, 0.001, 0.5, 1.0, 1.5, 1.999, 2.0, 3.3, 6.5, 11.0)
 
 
 def powers(points, y):
-    """What is declared, at distances y from the one place."""
+    """The sum of the declared powers at the signed distances y from the only algebraic point."""
     return sum(
         np.where(y < 0, left, right) * np.abs(y) ** p
         for p, left, right in zip(points.exponents, points.left, points.right, strict=True)
@@ -30,17 +30,19 @@ def powers(points, y):
 
 @pytest.mark.parametrize("p", EXPONENTS)
 @pytest.mark.parametrize("left,right", [(-1.0, 1.0), (1.0, 1.0), (0.0, 1.0), (0.7, -0.2)])
-def test_the_poles_are_the_power_but_for_a_smooth_function(p, left, right):
+def test_the_poles_equal_the_power_up_to_a_smooth_function(p, left, right):
     points = sie.AlgebraicPoints([0.0], [p], [left], [right])
     away, size = points.poles(0, 1.0)
 
     def rest(y):
         return powers(points, y) - np.real((size / (y[:, None] - 1j * away)).sum(axis=1))
 
-    # Of what is analytic within 1.28 Chebyshev coefficients on [-1/2, 1/2] fall by 5.3 each.
+    # The omitted poles are at distances from 1.28 on. So `rest` is analytic closer to the line,
+    # and its Chebyshev coefficients on [-1/2, 1/2] fall by a factor of 5.3 each.
     nodes = np.cos(pi * (np.arange(60) + 0.5) / 60)
     coefficients = np.polynomial.chebyshev.chebfit(nodes, rest(0.5 * nodes), 59)
-    # The power itself is rounded next to the point, where it is large if p < 0.
+    # The remaining coefficients are round-off of the power, which is large next to the point if
+    # p < 0.
     assert np.abs(coefficients[28:]).max() < 3e-14 * np.abs(rest(0.5 * nodes)).max()
 
 
@@ -50,7 +52,8 @@ def test_the_closed_forms_of_poles_are_their_series(of_density):
         [0.1, 0.44, 0.1], [1.5, 2.0, 0.4], [-1.0, 0.3, 0.2], [0.7, 1.0, 0.5]
     )
     poles = Poles.of(ZONES, points, 6.0, of_density)
-    # Series of poles that are nearer are too long.
+    # Poles closer to the zone are left out, because their series would need more than 20,000
+    # terms.
     keep = poles.away > 2e-3
     poles = Poles(
         poles.zone[keep],
@@ -89,14 +92,18 @@ def test_the_closed_forms_of_poles_are_their_series(of_density):
 
 
 def load(p):
-    """int |x|^(p+1) / sqrt(1 - x^2) over [-1, 1]."""
+    """The total of the density for g = sgn(x) |x|^p: int |x|^(p+1) / sqrt(1 - x^2) dx over
+    [-1, 1].
+    """
     return sqrt(pi) * gamma(p / 2 + 1) / gamma(p / 2 + 1.5)
 
 
 @pytest.mark.parametrize("p", (-0.5, -0.2, *EXPONENTS[1:]))
 def test_a_power_on_the_right_side_has_its_known_density(p):
-    """g = sgn(x) |x|^p on [-1, 1]: phi = (p + 1) (load/pi) int_x^1 s^p / sqrt(s^2 - x^2) ds, here
-    with s = x cosh(y).
+    """The right side g = sgn(x) |x|^p has on [-1, 1] the bounded density
+    phi(x) = (p + 1) (load/pi) int_x^1 s^p / sqrt(s^2 - x^2) ds.
+
+    Here `load` is the total. The integral is computed with s = x cosh(y).
     """
     points = sie.AlgebraicPoints([0.0], [p], [-1.0], [1.0])
     forcing = sie.Forcing(lambda x: np.sign(x) * np.abs(x) ** p, jumps=sie.Jumps(algebraic=points))
@@ -117,8 +124,11 @@ def test_a_power_on_the_right_side_has_its_known_density(p):
 
 
 def test_a_density_with_an_algebraic_point_is_found_from_its_transform():
-    """phi = (1 - x^2)^(1/2) |x|^(1/2), whose transform has the logarithm's kin |x|^(1/2) sgn(x): by
-    30 digits at Chebyshev's nodes.
+    """The right side is the transform of phi = (1 - x^2)^(1/2) |x|^(1/2), computed with 20
+    digits.
+
+    Close to x = 0 the transform contains a multiple of |x|^(1/2) sgn(x). The algebraic point is
+    declared as one of the density.
     """
     p = 0.5
     # sqrt(1 - x^2) = 1 - x^2/2 - x^4/8 - x^6/16 - 5 x^8/128 - ...
@@ -126,8 +136,9 @@ def test_a_density_with_an_algebraic_point_is_found_from_its_transform():
     points = sie.AlgebraicPoints([0.0] * 8, [p + 2 * k for k in range(8)], series, series)
 
     def transform(x):
-        """(1/pi) PV int phi / (x - xi) = (2 x/pi) int_0^1 (phi(xi) - phi(x)) / (x^2 - xi^2) dxi +
-        (phi(x)/pi) log((1 + x)/(1 - x)).
+        """The transform of the even density phi,
+
+        (2 x/pi) int_0^1 (phi(xi) - phi(x)) / (x^2 - xi^2) dxi + (phi(x)/pi) log((1 + x)/(1 - x)).
         """
         out = []
         with mpmath.workdps(20):

@@ -1,6 +1,7 @@
-"""Densities of jumps and of given end values for the second-kind equation.
+"""Densities of the second-kind equation in closed form: those of jumps, and those with given
+values at the ends.
 
-They are held against quadrature in many digits, and by their laws.
+They are compared with quadrature in high precision, and with the laws that they obey.
 """
 
 import mpmath as mp
@@ -18,7 +19,7 @@ KAPPAS = (0.0, 0.4, -2.0, 25.0, -25.0)
 PLACES = np.array([-0.999, -0.6, 0.0, 0.3, 0.98])
 ANGLE = np.linspace(0.02, 3.12, 23)[:, None]
 LEFT, RIGHT = 2 * np.cos(ANGLE / 2) ** 2, 2 * np.sin(ANGLE / 2) ** 2
-# Points whose powers rho^150 are below round-off.
+# Points off the interval at which |rho|^150 is below round-off, so that 150 moments suffice.
 AROUND = np.array([1.03, -1.2, 1.7, 0.3 + 0.4j, -0.9 + 0.3j, 4 + 1j, 300.0])[:, None]
 
 
@@ -31,14 +32,18 @@ def in_plane(z):
 
 
 def by_moments(table, z):
-    """The field of sum m_l T_l / sqrt(1 - t^2) at the points z (P, 1)."""
+    """The transform of sum m_l T_l / sqrt(1 - t^2) at the points z (P, 1), with the moments m_l
+    along the last axis of `table`.
+    """
     rho = in_plane(z).rho
     powers = rho[..., None] ** np.arange(table.shape[-1])
     return (powers * table).sum(axis=-1) / in_plane(z).root
 
 
 def derivative(f, z, h):
-    """The derivative of an analytic function, to h^16."""
+    """The derivative of an analytic function at z from 16 points on a circle of the radius h.
+    The error is of the order h^16.
+    """
     turns = np.exp(2j * np.pi * np.arange(16) / 16)
     return sum(f(z + h * turn) / turn for turn in turns) / (16 * h)
 
@@ -63,7 +68,7 @@ def test_the_transform_of_a_jump_is_its_integral(kappa, order):
     a = mp.mpf(weighted.alpha)
 
     def density(left, right):
-        """(t - s)^k J_s, by the hypergeometric function."""
+        """The density (t - s)^k J_s of a jump at s, by the hypergeometric function."""
         near, far = left * mp.mpf(1 - place), right * mp.mpf(1 + place)
         away = (left - right) / 2 - mp.mpf(place)
         if min(near, far) == 0:
@@ -150,7 +155,7 @@ def test_integrals_and_edge_slopes_of_jumps(kappa, order):
     ends = jump.integral_to(left, right, (left - right) / 2 - PLACES, order)
     assert ends[0] == pytest.approx(whole, abs=1e-15)
     assert np.abs(ends[1]).max() == 0.0
-    # Gauss's rule between two places apart from all jumps.
+    # Gauss's rule on the interval from t = 0.5 to t = 0.7, which contains none of the jumps.
     nodes, weights = np.polynomial.legendre.leggauss(20)
     t = 0.6 + 0.1 * nodes[:, None]
     rule = 0.1 * weights @ jump.density(1 + t, 1 - t, t - PLACES, order)
@@ -191,7 +196,8 @@ def test_the_value_mode(kappa, at_left):
     for z in (0.3 + 0.4j, -40 + 60j):
         slope = derivative(lambda z: mode.transform(in_plane(z)), np.asarray(z), abs(z) / 10)
         value = mode.slope(in_plane(np.asarray(z)))
-        # The transform's rounding is that of terms of the size 1, over the radius of the circle.
+        # `derivative` divides the round-off of the transform, whose terms are of the size 1, by
+        # the radius of the circle.
         assert value == pytest.approx(slope, rel=1e-12, abs=5e-15 / abs(z))
     d = 1e-9
     weighted, (slope_left, slope_right) = JacobiFunctions(kappa), mode.edge_slopes()

@@ -1,5 +1,5 @@
-"""What `NotConverged` says is what was measured: each reason is given where it holds, and nowhere
-else.
+"""The reasons that `NotConverged` gives. Each reason is given for problems that it describes,
+and for no others.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ COLUMN = (sie.Total(0.0), sie.moment(1.0))
 
 
 def noise(size):
+    """A function whose values are normal random numbers times `size`, anew at every call."""
     draws = np.random.default_rng(0)
     return lambda *places: (
         size * draws.standard_normal(np.broadcast_shapes(*(np.shape(x) for x in places)))
@@ -134,6 +135,9 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_reason_is_the_one_that_holds(case):
+    """The message names the cause of the failure. It mentions the right side only if the right
+    side is the cause.
+    """
     of, zones, tol, words = CASES[case]
     with pytest.raises(sie.NotConverged, match=words) as stopped:
         sie.solve(of, zones, tol)
@@ -155,12 +159,15 @@ def test_a_smooth_right_side_is_not_accused_beside_a_noisy_kernel():
 
 def test_a_large_kernel_is_no_singular_system():
     found = sie.solve(equation(regular=lambda x, xi: 1e6 * np.cos(x) * np.cos(xi)), ONE, 1e-5)
-    # Terms of 1e6 add up to 1: rounding of some 1e-10 a mode, times a few dozen modes and the
-    # safety of the estimate.
+    # Terms of the size 1e6 add up to about 1, so each mode has a round-off of about 1e-10. The
+    # stated error is this round-off times a few dozen modes and a safety factor.
     assert found.error < 1e-5
 
 
 def test_a_density_that_nothing_sees_is_named():
+    """A density in the null space of the equation and its conditions makes the system singular.
+    The message says whether the side conditions alone are the cause.
+    """
     dependent = (sie.Total(1.0), sie.Weighted(np.ones_like, 1.0))
     with pytest.raises(ValueError, match="the side conditions depend on each other"):
         sie.solve(equation(conditions=dependent), TWO)
@@ -178,8 +185,8 @@ def test_a_density_that_nothing_sees_is_named():
 )
 @pytest.mark.parametrize("tol", [1e-6, 1e-8, 1e-10])
 def test_modes_stop_growing_where_the_kernel_has_nothing_but_rounding_left(count, tol, noisy):
-    """Coefficients of the kernel fall as exp(-k/10): 350 modes show all of it, however tight the
-    tolerance.
+    """The coefficients of the kernel fall as exp(-k/10), so 350 modes reach round-off. A tighter
+    tolerance or a noisy kernel must not add modes without end.
     """
     draws = noise(noisy)
     kernel = sie.cauchy() + sie.Smooth(
@@ -196,9 +203,10 @@ def test_modes_stop_growing_where_the_kernel_has_nothing_but_rounding_left(count
 
 
 def test_modes_grow_past_a_lull_of_the_coefficients():
-    # All that the kernel does beyond the first modes is about T_40, which fewer modes do not show.
-    # The second part has the right side sampled at enough nodes to tell T_40 from the low
-    # polynomial with its values at few.
+    # The right side has a large coefficient at the degree 40, after much smaller ones. Its
+    # effect through the smooth part of the kernel shows with more than 40 modes only. The term
+    # 1 / (1.1 - x) makes the solver sample the right side at many nodes. At few nodes T_40 has
+    # the same values as a polynomial of low degree.
     right = sie.Forcing(lambda x: np.cos(40 * np.arccos(np.clip(x, -1, 1))) + 1 / (1.1 - x))
     kernel = sie.cauchy() + sie.Smooth(lambda x, xi: 0.1 / ((x - xi) ** 2 + 0.04))
     assert sie.solve(sie.Equation(kernel, right, sie.Total(0.0)), ONE, 1e-9).error < 1e-9

@@ -1,5 +1,6 @@
-"""Very many jumps of the right side's second derivative: a spline in their place is the same, of
-few large numbers and few jumps.
+"""Hundreds of jumps of the right side's second derivative, replaced by one spline.
+
+The density of the spline agrees with those of the single jumps, and has a smaller round-off.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from sie.jumps.spline import OPTIONS
 
 
 def both(after: int = 10, seed: int = 5) -> tuple[ForcingJumps, ForcingJumps, sie.Zones]:
-    """(all jumps of a quadratic spline one by one, the same with a spline in their place, the
-    zone): `after` knots lie right of it.
+    """The jumps of a quadratic spline one by one, the same jumps replaced by a spline, and the
+    zone. About `after` knots lie to the right of the zone.
     """
     rng, n = np.random.default_rng(seed), OPTIONS.min_jumps + 40 + after
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
@@ -34,7 +35,13 @@ def both(after: int = 10, seed: int = 5) -> tuple[ForcingJumps, ForcingJumps, si
     )
 
 
-def test_a_spline_beside_other_jumps_or_a_wave_is_known_by_its_own_jumps() -> None:
+def test_a_spline_replaces_second_derivative_jumps_of_any_right_side() -> None:
+    """The right side need not be a spline: it may have other jumps, or be a wave. A spline with
+    the same second-derivative jumps then replaces them.
+
+    The densities with and without the spline differ by a sin(theta) + b sin(2 theta), because
+    the smooth right sides that they leave differ by a quadratic.
+    """
     rng = np.random.default_rng(2)
     at, zones = np.sort(rng.uniform(-1, 1, OPTIONS.min_jumps + 9)), sie.Zones.of([[-1.0, 1.0]])
     jumps, orders = rng.standard_normal(len(at)) * len(at) ** 2, np.full(len(at), 2)
@@ -52,12 +59,15 @@ def test_a_spline_beside_other_jumps_or_a_wave_is_known_by_its_own_jumps() -> No
 
 @pytest.mark.parametrize("after", [2, 300])
 def test_a_spline_leaves_one_jump_and_a_parabola(after: int) -> None:
-    """Both make g smooth and differ by a quadratic, whose density is a sin(theta) + b sin(2 theta):
-    so do all that follow from it.
+    """The densities with and without the spline differ by a sin(theta) + b sin(2 theta), because
+    the smooth right sides that they leave differ by a quadratic.
+
+    So transforms, coefficients, edge slopes and mean offsets differ by the closed forms of these
+    two terms.
     """
     one, other, zones = both(after)
     assert len(one.zone) > OPTIONS.min_jumps and len(other.zone) == 1
-    assert one.count[0] + 1 == other.count[0]  # one more where the two pieces of what is left meet
+    assert one.count[0] + 1 == other.count[0]  # one more: the jump that the spline adds
     theta = np.concatenate(
         (np.random.default_rng(1).uniform(0, np.pi, 60), [1e-9, 1e-4, np.pi - 1e-4])
     )
@@ -95,7 +105,8 @@ def test_a_spline_leaves_one_jump_and_a_parabola(after: int) -> None:
         (slope, a * np.cos(theta) + 2 * b * np.cos(2 * theta)),
     ]
     for number, (first, second) in enumerate(pairs):
-        # The slope is found by differences beside jumps of its own slope.
+        # The slope (pair number 6) is a difference quotient. It is inaccurate next to jumps of
+        # the second derivative.
         assert first == pytest.approx(
             second, abs=(1e-3 if number == 6 else 1e-10) * float(np.abs(one.height).max()) / 100
         )
@@ -103,7 +114,9 @@ def test_a_spline_leaves_one_jump_and_a_parabola(after: int) -> None:
 
 
 def test_off_the_zone_a_series_replaces_the_nodes(monkeypatch) -> None:
-    """Distances from the zone over twelve decades, on both sides."""
+    """Far from the zone, a series replaces the sum over nodes without loss of digits. The
+    distances from the zone are 1e-8 to 1e4 half widths, on both sides.
+    """
     spline, rng = both()[1].splines[0], np.random.default_rng(3)
     away, side = 10.0 ** rng.uniform(-8, 4, 200), rng.choice([-1.0, 1.0], 200)
     z, rho = side * (1 + away), side / (1 + away + np.sqrt(away * (away + 2)))
@@ -131,7 +144,8 @@ def test_potential_of_the_spline_is_the_primitive_of_its_transform() -> None:
         1 + places, 1 - places, rho
     )
     assert found == pytest.approx(rise, rel=1e-8)
-    # On the zone it goes on from both ends, as the primitive of g less its mean.
+    # The potential is continuous at both ends of the zone. On the zone its derivative is the
+    # transform, that is g minus its mean.
     beside = np.array([-1e-12, 1e-12, 2 - 1e-12, 2 + 1e-12])
     on = spline.potential(beside, 2 - beside, np.array([-1.0, -1.0, 1.0, 1.0]))
     assert on[::3] == pytest.approx(on[1:3], abs=1e-4 * spline.size)

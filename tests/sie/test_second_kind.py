@@ -19,12 +19,16 @@ def alpha(kappa):
     return np.arctan2(1.0, kappa) / np.pi
 
 
-# The slow ones have thirty zones, or zones too close for 256 modes.
+# The slow seeds have thirty zones, or zones so close that 256 modes do not suffice.
 @pytest.mark.parametrize(
     "seed", quick([seed for seed in range(24) if seed != 8], {*range(24)} - {2, 6, 20, 21, 22, 23})
 )
 def test_designed_problems_are_solved_or_refused_and_stated(seed):
-    """One to thirty zones, kappa from -25 to 25, all kinds of ends, both kernels, poles near by."""
+    """The true error is at most the stated one, or the problem is refused with a reason.
+
+    The problems have one to thirty zones, kappa from -25 to 25, all kinds of ends, both kernels,
+    and right sides with poles close to the zones.
+    """
     one = judged(seed, second_kind=True)
     assert one.fault(np.inf) == "", one
 
@@ -38,7 +42,9 @@ def test_more_designed_problems(seed):
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_the_sliding_flat_punch(kappa):
-    """phi = sin(pi alpha) / pi (1 - x)^(alpha - 1) (1 + x)^(-alpha) for the total 1."""
+    """A sliding flat punch on [-1, 1] with the total 1 has the density
+    phi = sin(pi alpha) / pi (1 - x)^(alpha - 1) (1 + x)^(-alpha).
+    """
     equation = sie.Equation(sie.cauchy(), np.zeros_like, sie.Total(1.0), kappa=kappa)
     found = sie.solve(equation, sie.Zones.of([[-1.0, 1.0]], S, S))
     a, x = alpha(kappa), np.array([-0.9, 0.1, 0.8])
@@ -53,8 +59,12 @@ def test_the_sliding_flat_punch(kappa):
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_the_sliding_cylinder_finds_its_ends(kappa):
-    """phi = sin(pi alpha) (b - x)^alpha (x - a)^(1 - alpha), total pi / 2 (b - a)^2 alpha (1 - alpha)
-    and ends about (1 - 2 alpha) (b - a) / 2: from z -> infinity of F = x - X(z).
+    """A sliding cylinder, g = x, has the density
+    phi = sin(pi alpha) (b - x)^alpha (x - a)^(1 - alpha).
+
+    Its total is pi / 2 (b - a)^2 alpha (1 - alpha), and the middle of its zone is
+    (1 - 2 alpha) (b - a) / 2. Both follow from its transform F = z -
+    (z - b)^alpha (z - a)^(1 - alpha) as z -> infinity.
     """
     a = alpha(kappa)
     width = 1 / np.sqrt(a * (1 - a))
@@ -77,7 +87,8 @@ KINKED = sie.Forcing(
     None,
     sie.Jumps([0.4, -0.5], [2.0, 1.0], [0, 1]),
 )
-# The slope of a profile with two tips, a corner at one of them and a kink of the slope beside both.
+# Slope of a profile with two tips. The slope jumps close to the right tip, and has a kink close
+# to each tip.
 TIPS = sie.Forcing(
     lambda x: (
         4 * x * (x * x - 0.45) + 0.1 * np.sign(x - 0.65) + 0.5 * np.maximum(abs(x) - 0.62, 0.0)
@@ -145,6 +156,9 @@ def test_the_equation_holds_on_the_zones(name, kappa):
 
 @pytest.mark.parametrize("kappa", [0.4, (0.3, -1.5)])
 def test_equal_potentials_leave_no_integral_over_the_gap(kappa):
+    """Equal potentials of two zones mean that the integral of T phi - g over the gap is zero.
+    Inside the gap, the potential minus the primitive of g is the integral of T phi - g.
+    """
     found = sie.solve(*posed("potentials", kappa), tol=1e-10)
     x = np.linspace(-0.2, 0.3, 9)[1:-1]
     rise = lambda a, b: quad(  # noqa: E731
@@ -158,7 +172,9 @@ def test_equal_potentials_leave_no_integral_over_the_gap(kappa):
 
 
 def test_the_level_is_the_potential_at_the_first_end():
-    """There the integral of kappa phi is zero."""
+    """At the first end the integral of kappa phi is zero. So the potential minus the primitive
+    of g is the level there.
+    """
     found = sie.solve(*posed("levels", 0.4), tol=1e-10)
     x = np.array([-1.0])
     assert found.density.potential(x) - WAVE.primitive(x) == pytest.approx(0.7, abs=1e-9)
@@ -167,9 +183,15 @@ def test_the_level_is_the_potential_at_the_first_end():
 
 @pytest.mark.parametrize("kappa", [-0.5, 1e-9, 0.4, 3.0])
 def test_prescribed_intensities_move_the_ends_of_a_sliding_adhesive_cylinder(kappa):
-    """phi = sin(pi alpha) (b - x)^(alpha - 1) (x - a)^(-alpha) q(x), q quadratic, F = x - X q."""
+    """The density is phi = -sin(pi alpha) (b - x)^(alpha - 1) (x - a)^(-alpha) q(x), with a
+    quadratic polynomial q.
+
+    Its transform is F = z - X q with X = (z - b)^(alpha - 1) (z - a)^(-alpha), where a and b are
+    the ends of the zone.
+    """
     a, left, right = alpha(kappa), -1.0, 1.3
-    # Far away X = 1/z (1 + x1/z + x2/z^2 + ...) and F = O(1/z), so that q1 = -x1; q0 is free.
+    # Far away X = (1 + x1/z + x2/z^2 + ...) / z and F = O(1/z). So q1 = -x1, and q0 is free. It
+    # is chosen here, and determines the total.
     p, r = a - 1, -a
     x1 = -(p * right + r * left)
     x2 = 0.5 * (x1 * x1 + -(p * right**2 + r * left**2))
@@ -189,7 +211,7 @@ def test_prescribed_intensities_move_the_ends_of_a_sliding_adhesive_cylinder(kap
     assert found.density(x) == pytest.approx(exact, rel=1e-7)
 
 
-def test_an_open_total_follows_from_the_width():
+def test_an_unknown_total_follows_from_the_width():
     equation = sie.Equation(
         sie.cauchy(), lambda x: x, sie.Total(None), (), sie.TotalWidth(2.0), kappa=0.5
     )
@@ -247,7 +269,7 @@ def test_wrong_kappa_is_named(change, message):
         sie.solve(sie.Equation(sie.cauchy(), WAVE, sie.ZoneTotals(), **change), TWO)
 
 
-def test_what_is_not_known_with_kappa_is_refused_by_name():
+def test_symmetric_zones_and_solve_fixed_are_refused_with_kappa():
     even = sie.Zones.of([[-1.0, -0.2], [0.2, 1.0]], S, S, symmetric=True)
     with pytest.raises(ValueError, match="no mirror symmetry"):
         sie.solve(sie.Equation(sie.cauchy(), WAVE, sie.Total(0.0), kappa=0.1), even)

@@ -1,4 +1,6 @@
-"""Derivatives of solutions with kappa, against closed forms and differences of fourth order."""
+"""Derivatives of solutions of equations with kappa, compared with closed forms and with
+differences of fourth order.
+"""
 
 import numpy as np
 import pytest
@@ -11,7 +13,9 @@ ALPHA = np.arctan2(1.0, KAPPA) / np.pi
 
 
 def test_ends_of_a_sliding_cylinder_by_its_load():
-    """P = 2 pi alpha (1 - alpha) l^2 touches from -2 alpha l to 2 (1 - alpha) l."""
+    """Under the load P = 2 pi alpha (1 - alpha) l^2 the cylinder touches from -2 alpha l to
+    2 (1 - alpha) l.
+    """
     load = 3.0
     half = np.sqrt(load / (2 * np.pi * ALPHA * (1 - ALPHA)))
     slid = sie.Equation(sie.cauchy(), lambda x: x, sie.Total(load), kappa=KAPPA)
@@ -20,7 +24,7 @@ def test_ends_of_a_sliding_cylinder_by_its_load():
     rate = half / (2 * load)
     assert by_load.ends[0] == pytest.approx([-2 * ALPHA * rate, 2 * (1 - ALPHA) * rate], rel=1e-11)
     assert by_load.density.total == pytest.approx(1.0, rel=1e-12)
-    # Each step of the load adds the density of a flat punch on the present zone.
+    # The derivative of the density by the load is the density of a flat punch on the zone.
     left, right = -2 * ALPHA * half, 2 * (1 - ALPHA) * half
     x = np.array([-0.5, 0.1, 0.9])
     punch = np.sin(np.pi * ALPHA) / np.pi * (right - x) ** (ALPHA - 1) * (x - left) ** -ALPHA
@@ -28,7 +32,9 @@ def test_ends_of_a_sliding_cylinder_by_its_load():
 
 
 def moved(s):
-    """Two zones with singular and bounded ends, a jump of g', and a column."""
+    """The solution on two zones with fixed ends, singular and bounded, with a jump of g' and a
+    column. The parameter s changes the right side and the total.
+    """
     forcing = sie.Forcing(
         lambda x: x - 2 * (x > 1) + (0.1 * np.exp(x) + 0.05 * np.abs(x + 0.4)) * s,
         jumps=sie.Jumps([-0.4], 0.1 * s, 1),
@@ -41,6 +47,9 @@ def moved(s):
 
 
 def width(s):
+    """The solution on one zone with free ends, a given width 2 + s and an unknown total. The
+    parameter s also changes the right side.
+    """
     equation = sie.Equation(
         sie.hilbert(9.0),
         lambda x: np.sin(2 * np.pi / 9 * x) + s * 0.1 * np.cos(4 * np.pi / 9 * x),
@@ -52,7 +61,9 @@ def width(s):
 
 
 def level(s):
-    """Two zones with free ends, under a wave, at one level."""
+    """The solution on two zones with free ends at equal potentials. The right side is a cubic
+    polynomial that the parameter s changes.
+    """
     forcing = sie.Forcing(
         lambda x: x**3 - (4 + s) * x + 0.3, lambda x: 0.25 * x**4 - (2 + 0.5 * s) * x**2 + 0.3 * x
     )
@@ -62,6 +73,7 @@ def level(s):
 
 
 def crack(s):
+    """The solution for a complex kappa and fixed ends. The parameter s changes the right side."""
     equation = sie.Equation(
         sie.cauchy(), lambda x: (1 + s) * np.exp(x) + 1j * s * x, sie.Total(0.0), kappa=0.3j
     )
@@ -89,6 +101,9 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_derivatives_are_the_limits_of_differences(name):
+    """The derivative by s of the density, the ends, the amplitudes, the transform and the
+    unknown value equals a difference of fourth order.
+    """
     solved, change = CASES[name]
     step, found = 0.0025, solved(0.0)  # the error of the differences is 6e-9
     near = {k: solved(k * step) for k in (-2, -1, 1, 2)}
