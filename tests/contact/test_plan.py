@@ -115,7 +115,7 @@ class TestSymmetricAgainstAsymmetric:
     COUNT = 9
     PRESSURE = 0.1 * full_pressure()
 
-    def test_a_symmetric_scene_solves_half_the_unknowns_and_samples_half_the_profile(self):
+    def test_a_symmetric_scene_solves_half_the_unknowns(self):
         half = solve(waves(self.COUNT), mean_pressure=self.PRESSURE).plan
         whole = solve(waves(self.COUNT, shift=0.013), mean_pressure=self.PRESSURE).plan
         assert half["symmetry"].used and not whole["symmetry"].used
@@ -140,7 +140,7 @@ class TestSymmetricAgainstAsymmetric:
 
 
 class TestOneZoneAgainstMany:
-    def test_one_zone_of_a_lone_body_couples_to_nothing(self):
+    def test_one_isolated_zone_couples_to_nothing(self):
         solution = solve(contact.Parabola(1.0), ISOLATED, load=1e-3)
         assert solution.plan.counts["coupled_unknowns"] == 1
         assert not solution.plan["periodic kernel"].used
@@ -264,7 +264,7 @@ class TestFieldsNotAskedFor:
         solution.gap(np.linspace(-0.5, 0.5, 999))
         assert profile.heights > before
 
-    def test_fields_are_left_out_of_the_plan_and_its_time(self):
+    def test_fields_that_are_not_evaluated_take_no_time_in_the_plan(self):
         part = parts(solve(WAVE, half_width=0.2))["fields"]
         assert not part.used and part.seconds is None
 

@@ -287,7 +287,7 @@ def test_logarithmic_axes_have_plain_numbers_or_powers_of_ten(low, high):
     assert not any(axes.yaxis.get_minor_formatter().format_ticks([low, high]))
 
 
-def test_positions_far_from_zero_count_from_a_place_that_the_label_names():
+def test_positions_far_from_zero_are_relative_to_the_position_in_the_label():
     whole, close = drawing.stretches((0.0, 1.5e-3), (1.30875e-3 - 2e-7, 1.30875e-3 + 2e-7))
     assert whole.label == "$x$ [µm]" and whole.limits == pytest.approx((0.0, 1500.0))
     assert close.label == "$x$ \N{MINUS SIGN} 1308.75 µm [µm]"

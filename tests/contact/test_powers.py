@@ -147,7 +147,7 @@ def test_a_periodic_power_agrees_with_its_integral(n, fraction):
 
 @pytest.mark.parametrize("control", ("mean_pressure", "approach", "half_width", "contact_fraction"))
 @pytest.mark.parametrize(("n", "fraction"), [(1.2, 0.4), (2.7, 0.9)])
-def test_every_control_finds_the_same_row(control, n, fraction):
+def test_every_control_finds_the_same_periodic_contact(control, n, fraction):
     exact = in_a_row(n, fraction)
     solution = contact.solve(
         Scene(power(n, L), E_STAR, Periodic(), **{control: getattr(exact, control)})
@@ -164,7 +164,7 @@ def test_an_approach_far_below_the_largest_height_gives_a_tiny_contact(n, fracti
 
 
 @pytest.mark.parametrize("n", (1.5, 6.3))
-def test_a_lone_power_has_approach_and_half_width_controls(n):
+def test_an_isolated_power_has_approach_and_half_width_controls(n):
     exact = alone(n)
     for control in ("approach", "half_width"):
         solution = contact.solve(
@@ -200,7 +200,7 @@ def test_jkr_adhesion_adds_the_load_of_a_flat_punch(n):
 
 @pytest.mark.parametrize("n", (1.3, 3.3))
 @pytest.mark.parametrize("fraction", (0.2, 0.7, 0.95))
-def test_the_localized_row_tends_to_the_row_as_neighbours_are_added(n, fraction):
+def test_the_localized_contact_tends_to_the_periodic_one_as_neighbours_are_added(n, fraction):
     exact, off_by = in_a_row(n, fraction), []
     for neighbours in (2, 6):
         model = Localized(closure="self-consistent", neighbours=neighbours)
@@ -449,7 +449,7 @@ def test_invalid_algebraic_points_are_refused_by_name(rows):
 
 @pytest.mark.parametrize("n", (1.001, 1.5, 2.5, 3.0, 4.7, 12.0))
 @pytest.mark.parametrize("period", (None, L))
-def test_a_power_agrees_with_its_own_claims(n, period):
+def test_a_power_passes_check_profile(n, period):
     assert check_profile(Power(0.01, n, period)).ok
 
 

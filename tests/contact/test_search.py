@@ -146,7 +146,7 @@ def test_a_wrong_load_is_seen_in_the_zone_ends() -> None:
     assert abs(zones_of(state, x)[0, 1] - 0.2) > 4 / 1024
 
 
-def test_the_hertz_pressure_and_approach_come_out_on_the_grid() -> None:
+def test_the_grid_gives_the_hertz_pressure_and_approach() -> None:
     n, a, radius = 2048, 0.2, 1.5
     x = midpoints(n)
     influence = Influence.isolated(n, 1 / n, E, datum=3.0)
@@ -564,7 +564,7 @@ def test_a_grid_beside_a_known_contact_proposes_the_same_zones_in_fewer_iteratio
     assert iterations(nested) < of_alone
 
 
-def test_zones_that_the_first_window_of_a_lone_body_missed_are_found_in_a_wider_one():
+def test_zones_outside_the_first_window_of_isolated_contact_are_found():
     shape = inverse.random_adhesive_problem(
         np.random.default_rng(2209), 6, pull=1e-3, E_star=1.0
     ).profile

@@ -244,7 +244,7 @@ def test_derivatives_by_different_coefficients_differ() -> None:
     assert abs(one - other) > 1e-2 * abs(one)
 
 
-def test_at_an_event_and_at_equal_peaks_derivatives_are_said_to_be_one_sided() -> None:
+def test_at_an_event_and_at_equal_peaks_a_note_says_that_derivatives_are_one_sided() -> None:
     begins = contact.solve(periodic(WAVE, mean_pressure=np.pi * 1e7))
     assert "one-sided" in contact.sensitivity(begins).of("approach", "profile.amplitude").note
     twins = contact.Fourier(1e-4, [0.0, -1e-6])
@@ -536,7 +536,7 @@ def test_stresses_without_derivatives_are_refused_by_name() -> None:
         contact.sensitivity(pulled, 0.3, lateral="free").of("max_stress", "profile.period")
 
 
-def test_places_that_yield_together_are_said_to_have_one_sided_derivatives() -> None:
+def test_derivatives_at_places_that_yield_together_are_noted_as_one_sided() -> None:
     twins = contact.Fourier(1e-4, [0.0, -1e-6])
     by = contact.sensitivity(contact.solve(periodic(twins, mean_pressure=1e7), 1e-11), 0.3)
     for number in ("max_stress", "first_yield"):

@@ -102,7 +102,7 @@ def _logarithm(w):
     return -1j * w + 0.5j * np.pi - np.log(2) + np.log(1 - np.exp(2j * w))
 
 
-def test_two_zones_in_a_period_obey_the_algebra_of_gap_closure():
+def test_two_zones_in_a_period_fulfil_the_algebraic_conditions():
     """The ends of the two zones fulfil the algebraic conditions on the slope X M of the gap.
 
     The module test_sliding_designed.py defines X and M. The waves of X M that grow at i

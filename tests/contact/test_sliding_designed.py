@@ -54,7 +54,7 @@ def designed_alone(ends, alpha):
     count = len(ends)
     basis = [lambda z, k=k: z**k for k in range(count)]
     m = _closing(ends, alpha, basis, False)
-    # Series of X / z^count in 1/z, from that of its logarithm.
+    # The series of X / z^count in 1/z follows from the series of its logarithm.
     terms = 2 * count + 1
     moments = [
         -(alpha * np.sum(ends[:, 1] ** k) + (1 - alpha) * np.sum(ends[:, 0] ** k)) / k
