@@ -1,5 +1,5 @@
-"""Every closed form is held to laws it does not contain: the singular integral, the load, the
-displacement it makes.
+"""Closed forms without adhesion are checked against laws that they do not contain.
+The laws are the singular integral equation, the load, and the displacement by the pressure.
 """
 
 import inspect
@@ -16,12 +16,13 @@ from tests.contact import reference
 L = 1e-4
 E_STAR = 1.1e11
 SHARES = (0.05, 0.25, 0.45, 0.49)  # a/L
-# Gauss-Chebyshev with 400 nodes adds up terms some 400 times the result: 400 eps is about 1e-13.
+# Gauss-Chebyshev quadrature with 400 nodes sums terms about 400 times as large as the result,
+# and 400 eps is about 1e-13.
 TOL = 1e-12
 
 
 def smooth_solutions():
-    """Solutions without a kink in a zone, with a datum where they stand alone."""
+    """Solutions without kinks in zones; the isolated ones have a datum."""
     for share in SHARES:
         a = share * L
         yield exact.Westergaard(1e-6, L, E_STAR, a)
@@ -61,8 +62,8 @@ LOCALIZED = list(localized())
 
 @pytest.mark.parametrize("solution", SMOOTH, ids=name)
 def test_the_pressure_solves_the_singular_integral_equation(solution):
-    # Two zones about to merge leave a branch point 1e-5 widths from an end: 60/sqrt(gap/width)
-    # nodes.
+    # Two zones that are about to merge have a branch point 1e-5 widths from an end, and need
+    # 60/sqrt(gap/width) nodes.
     nodes = (
         12000 if getattr(solution, "inner_end", 1.0) and name(solution).endswith("0.707") else 400
     )
@@ -74,8 +75,8 @@ def test_the_pressure_solves_the_singular_integral_equation(solution):
 def test_a_wedge_solves_the_equation_by_folded_quadrature(solution, t):
     a = solution.half_width
     left = reference.folded_transform(solution, t * a, [-a, 0.0, a])
-    # Positions x - s are rounded: sqrt(eps) at an end of the zone, spread over a few nodes of tiny
-    # weight.
+    # Round-off of the positions x - s changes the pressure at an end of the zone by sqrt(eps),
+    # but only at a few nodes of tiny weight.
     assert left == pytest.approx(0.5 * E_STAR * np.sign(t) * solution.wedge_slope, rel=1e-10)
 
 
@@ -89,8 +90,10 @@ def test_a_localized_zone_solves_the_equation_with_the_nominal_pressure_outside_
 
 @pytest.mark.parametrize("solution", LOCALIZED, ids=name)
 def test_the_gap_of_a_localized_zone_has_the_slope_its_pressure_makes(solution):
-    """(E*/2) g' = (E*/2) f' + nominal - (1/pi) int p/(x - xi), integrated over part of the strip by
-    Gauss-Legendre."""
+    """The gap g obeys (E*/2) g' = (E*/2) f' + nominal - (1/pi) int p/(x - xi).
+    This is integrated over a part of the strip by Gauss-Legendre quadrature. Here `nominal` is
+    the term of the nominal pressure.
+    """
     a = solution.half_width
     lo, hi = a + 0.1 * (0.5 * L - a), a + 0.9 * (0.5 * L - a)
     node, weight = np.polynomial.legendre.leggauss(60)
@@ -119,7 +122,7 @@ def test_the_pressures_of_a_wedge_add_up_to_the_load(solution):
 
 @pytest.mark.parametrize("solution", SMOOTH, ids=name)
 def test_the_displacement_outside_is_the_logarithmic_potential_of_the_pressure(solution):
-    """This holds approach, gap and height together to the pressure alone."""
+    """The potential of the pressure checks approach, gap and height together."""
     ends = solution.zones
     beyond = 0.5 * L if solution.period else 2.0 * L
     x = ends[-1, 1] + (beyond - ends[-1, 1]) * np.array([0.02, 0.3, 0.7, 1.0])
@@ -150,7 +153,9 @@ def test_the_displacement_outside_a_wedge_is_the_logarithmic_potential_of_the_pr
 
 @pytest.mark.parametrize("solution", SMOOTH + WEDGES, ids=name)
 def test_the_stiffness_is_the_slope_of_load_over_approach(solution):
-    """Also for punches, whose load and approach are proportional, and beyond the load's maximum."""
+    """The stiffness is d load/d approach, also beyond the maximum of the load.
+    For punches, load and approach are proportional.
+    """
     control = (
         "half_width"
         if hasattr(solution, "half_width") and "Punch" not in type(solution).__name__
@@ -162,11 +167,11 @@ def test_the_stiffness_is_the_slope_of_load_over_approach(solution):
     elif isinstance(solution, exact.IsolatedBiquadratic):
         room = min(solution.load, abs(solution.merging_load - solution.load))
         if room < 1e-6 * solution.load:
-            return  # the two formulas meet here: compared on either side
+            return  # the two formulas meet here: compared below and above this load
     else:
         room = min(middle, 0.5 * L - middle) if hasattr(solution, "wavelength") else middle
-    # The derivative of the polynomial through 13 Chebyshev points within a fifth of the way to a
-    # singularity.
+    # The derivative is that of the polynomial through 13 Chebyshev points. They lie within a
+    # fifth of the distance to the nearest singularity.
     nodes = np.cos(np.pi * (np.arange(13) + 0.5) / 13)
     near = [replace(solution, **{control: middle + 0.2 * room * t}) for t in nodes]
 
@@ -203,21 +208,23 @@ def test_the_peak_is_the_largest_pressure(solution):
     if np.isinf(solution.max_pressure):
         assert "Wedge" in type(solution).__name__ or "Punch" in type(solution).__name__
     else:
-        # 4001 samples meet a smooth peak to (pi/4000)^2/8 of it times its curvature
-        assert largest <= solution.max_pressure * (1.0 + 1e-13)  # of scipy's integral of J_0
+        # The largest of 4001 samples misses a smooth peak by at most (pi/4000)^2/8 times the
+        # second derivative by the angle. 1e-13 is the round-off of scipy's integral of J_0.
+        assert largest <= solution.max_pressure * (1.0 + 1e-13)
         assert largest == pytest.approx(solution.max_pressure, rel=2e-6)
 
 
 @pytest.mark.parametrize("solution", [*SMOOTH, *WEDGES, *LOCALIZED], ids=name)
 def test_pressure_follows_the_square_root_down_to_the_last_digit_of_t(solution):
-    """p ~ K d^(1/2) at a free end, d^(-1/2) at a corner: no digit is lost between t = 1 - 2^-36 and
-    1 - 2^-52.
+    """With d = 1 - t, p is proportional to d^(1/2) at a free end, and to d^(-1/2) at a corner.
+    No digit is lost between d = 2^-36 and d = 2^-52.
     """
     power = -0.5 if "Punch" in type(solution).__name__ else 0.5
     near, nearer = solution.pressure_at(
         np.array([1.0 - 2.0**-36, 1.0 - 2.0**-52]), len(solution.zones) - 1
     )
-    # The next term is d/(distance to the next singularity), at most 100 times 2^-36.
+    # The relative size of the next term is d/(distance to the next singularity), which is at
+    # most 100 times 2^-36.
     assert nearer / near == pytest.approx(2.0 ** (-16 * power), rel=3e-9)
 
 
@@ -266,7 +273,9 @@ def test_full_contact_of_the_sinusoid_continues_partial_contact():
 
 
 def test_the_paper_s_localized_formulas_come_out():
-    """(23), (24), (26), (27), (29), (30), with arcosh(a/|x|)."""
+    """Equations (23), (24), (26), (27), (29) and (30) of the paper, with arcosh(a/|x|).
+    The paper is Goryacheva and Tsukanov (2020).
+    """
     a, x = 0.3 * L, np.array([0.01, 0.1, 0.25]) * L
     root = np.sqrt(L * L - 4 * a * a)
     angle = np.arctan(2 * np.sqrt(a * a - x * x) / root)
@@ -281,7 +290,8 @@ def test_the_paper_s_localized_formulas_come_out():
         np.pi * E_STAR * a * a / (4 * 2e-3) * (2 - root / L), rel=1e-14
     )
     wave = exact.LocalizedZone(exact.IsolatedSinusoid(1e-6, L, E_STAR, a), L)
-    # J_1(0.6 pi) and int_0^{0.6 pi} J_0 by Gauss-Legendre of their integral representations
+    # J_1(0.6 pi) and int_0^{0.6 pi} J_0, by Gauss-Legendre quadrature of integral
+    # representations.
     node, weight = np.polynomial.legendre.leggauss(40)
     theta, z = 0.5 * np.pi * (node + 1), 0.6 * np.pi
     j1 = 0.5 * np.sum(weight * np.cos(theta - z * np.sin(theta)))
@@ -293,7 +303,7 @@ def test_the_paper_s_localized_formulas_come_out():
 
 
 def test_the_kuznetsov_load_is_the_paper_s():
-    """(28): a = (L/pi) arccos exp(-2 pi P R/L^2 E*)."""
+    """Equation (28) of the paper: a = (L/pi) arccos exp(-2 pi P R/L^2 E*)."""
     load = 150.0
     zone = exact.PeriodicParabola.from_load(load, radius=2e-3, period=L, E_star=E_STAR)
     assert zone.half_width == pytest.approx(
@@ -316,7 +326,7 @@ FAMILIES = [
 @pytest.mark.parametrize("share", (1e-9, 1e-3, 0.3, 0.99))
 def test_the_load_asked_for_is_the_load_got(family, shape, most, share):
     zone = family.from_load(share * most, **shape)
-    # Near full contact a rounding of a is a large part of the distance left to L/2.
+    # Near full contact, round-off of the half width a is a large part of the distance L/2 - a.
     rel = 1e-13 if zone.period is None else 1e-13 + 1e-15 / (0.5 - zone.half_width / L)
     assert zone.load == pytest.approx(share * most, rel=rel)
 
@@ -376,7 +386,7 @@ def test_a_zone_as_wide_as_its_period_is_refused():
 
 @dataclass(frozen=True)
 class Perturbed:
-    """A solution whose pressure is off by one part in 1e8 at the ends only."""
+    """A solution whose pressure is multiplied by 1 + 1e-8 t^2, with t = -1 and 1 at the ends."""
 
     true: exact.Westergaard
     zones = property(lambda self: self.true.zones)

@@ -1,6 +1,6 @@
-"""Adhesive closed forms are held to laws they do not contain: the singular integral, the
-logarithmic potential, the intensity at the ends, and the work of the load, which is the change of
-elastic and surface energy.
+"""Closed forms with adhesion are checked against laws that they do not contain.
+The laws are the singular integral equation, the logarithmic potential, and the intensity at the
+ends. In addition, the work of the load is the change of elastic and surface energy.
 """
 
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ E_STAR = 3.0
 DATUM = 2.0 * L
 WAVE = dict(amplitude=0.02, period=L, E_star=E_STAR)
 CYLINDER = dict(radius=0.8, E_star=E_STAR, datum=DATUM)
-# Sums of 400 terms, some ten times the result.
+# The quadrature sums 400 terms of some ten times the result; 4000 eps is about 1e-12.
 TOL = 1e-12
 
 
@@ -60,7 +60,8 @@ def name(state):
 
 @pytest.mark.parametrize("state", JKR, ids=name)
 def test_the_pressure_solves_the_singular_integral_equation_and_carries_the_load(state):
-    # Where adhesion outweighs the frictionless load, the terms outweigh the slope as much.
+    # Round-off grows with the ratio of the load that adhesion takes to the load without
+    # adhesion.
     assert reference.equation_error(state) < TOL * (1.0 + state.punch.load / state.zone.load)
     assert reference.load_of(state) == pytest.approx(
         state.load, rel=1e-12, abs=1e-12 * state.punch.load
@@ -80,8 +81,8 @@ def test_the_displacement_outside_is_the_potential_of_the_pressure(state):
 
 @pytest.mark.parametrize("state", JKR, ids=name)
 def test_the_energy_released_at_the_ends_is_the_work_of_adhesion(state):
-    """Irwin: pi K^2/E* by the pressure's intensity, and (pi/4) K times that of the gap, 4 K
-    sqrt(d)/E*.
+    """Irwin: pi K^2/E* is the work of adhesion, with the intensity K of the pressure at an end.
+    At the distance d the gap is 4 K sqrt(d)/E*, so (pi/4) K gap/sqrt(d) is this work, too.
     """
     d = state.half_width * 2.0**-40
     inside = -state.pressure_at(1.0 - 2.0**-40) * np.sqrt(d)
@@ -92,7 +93,7 @@ def test_the_energy_released_at_the_ends_is_the_work_of_adhesion(state):
 
 
 def cohesive_potential(state, x):
-    """-(2/pi E*) int of the traction -s on |xi| < c, times ln."""
+    """The displacement by the uniform traction -s on |xi| < c, as its logarithmic potential."""
     c = state.cohesive_end
     if state.period is None:
 
@@ -110,7 +111,9 @@ def cohesive_potential(state, x):
 
 @dataclass(frozen=True)
 class Excess:
-    """What the pressure exceeds the tension by: zero at the ends, so that Gauss-Chebyshev holds."""
+    """The pressure plus the stress: zero at the ends, so that Gauss-Chebyshev quadrature holds.
+    It is multiplied by 1 + off t^2.
+    """
 
     state: object
     off: float = 0.0
@@ -125,13 +128,15 @@ class Excess:
 
 
 def nodes(state):
-    """arctan has a pole at the distance (c - a)/a of the zone's angle."""
+    """Number of quadrature nodes.
+    The arctan in the pressure has a pole at the relative distance (c - a)/a from the zone.
+    """
     return int(min(300 + 60 / np.sqrt((state.cohesive_end - state.half_width) / L), 4000))
 
 
 def cohesive_error(state, off=0.0):
-    """Largest |transform - (E*/2) f'| over the largest term, the uniform tension's transform in
-    closed form.
+    """Largest |transform of the tractions - (E*/2) f'|, divided by the largest term.
+    The transform of the uniform tension has a closed form.
     """
     x, excess = reference.transform(Excess(state, off), 0, state.period, nodes(state))
     c = state.cohesive_end
@@ -187,7 +192,9 @@ PLACES = [(curve, 0.5 * L * share) for curve, shares in CURVES for share in shar
 
 
 def slopes(states_of, middle, *quantities):
-    """Derivatives at the middle of the polynomial through 11 Chebyshev points close to it."""
+    """Derivatives by t at t = 0, from the polynomial through 11 Chebyshev points in (-1, 1).
+    The place is middle (1 + 0.02 t), or middle + 0.01 t if middle is at least 0.5.
+    """
     t = np.cos(np.pi * (np.arange(11) + 0.5) / 11)
     states = [
         states_of(middle * (1.0 + 0.02 * v) if middle < 0.5 else middle + 0.01 * v) for v in t
@@ -224,7 +231,8 @@ def test_the_elastic_energy_is_half_the_tractions_times_the_displacement(state):
     )
     total = float(np.sum(load * (state.approach - state.height(a * np.cos(phi)))))
     if hasattr(state, "stress"):
-        # -stress over |x| < c: u = approach - f in contact, + gap beyond.
+        # The tension acts on |x| < c. There u = approach - f in contact; in the strips the gap
+        # is added.
         node, weight = np.polynomial.legendre.leggauss(200)
         inside = state.approach - state.height(0.5 * a * (node + 1.0))
         total -= state.stress * a * float(np.sum(weight * inside))
@@ -236,7 +244,7 @@ def test_the_elastic_energy_is_half_the_tractions_times_the_displacement(state):
 
 
 @pytest.mark.parametrize(("curve", "place"), PLACES)
-def test_the_rates_that_tell_stability_are_the_derivatives_along_the_curve(curve, place):
+def test_the_rates_that_decide_stability_are_the_derivatives_along_the_curve(curve, place):
     load, approach = slopes(curve.at, place, "load", "approach")
     width = 0.02 * place if place < 0.5 else 0.01
     by_load, by_approach = curve._rates(place)
@@ -245,7 +253,8 @@ def test_the_rates_that_tell_stability_are_the_derivatives_along_the_curve(curve
 
 
 @pytest.mark.parametrize(("curve", "machine"), diagonal([c for c, _ in CURVES], (np.inf, 0.0, 0.5)))
-def test_pull_off_is_the_least_of_what_the_machine_holds(curve, machine):
+def test_pull_off_is_the_minimum_of_what_the_machine_controls(curve, machine):
+    """The machine controls approach + compliance * load, or the load if compliance is infinite."""
     if not curve.turning_points(machine):
         return
     state = curve.pull_off(machine)
@@ -272,7 +281,7 @@ def test_the_cylinder_pulls_off_at_barquins_load_and_its_pull_off_does_not_depen
         _ = state.energy
 
 
-def test_a_wave_closes_by_itself_from_the_work_on_at_which_the_greatest_load_of_partial_contact_is_none():
+def test_a_wave_closes_by_itself_from_the_work_where_the_largest_load_of_partial_contact_is_zero():
     curve = exact.JKRWave(**WAVE, work=1e-4)
     closing = replace(curve, work=curve.self_closing_work)
     widths = np.linspace(0.2, 0.49, 2001) * L
@@ -299,7 +308,7 @@ def test_the_wave_has_three_equilibria_between_pull_off_and_the_jump_into_full_c
         assert state.load == pytest.approx(load, rel=1e-12)
     assert len(curve.all_at_load(0.5 * high)) == 2
     assert curve.all_at_load(1.01 * high) == []
-    # Under a held approach the wave closes without a jump.
+    # Under a given approach the wave closes without a jump.
     assert len(curve.turning_points(0.0)) == 1
     for share in (0.1, 0.5, 0.999):
         assert curve.at_approach(share * 0.02).approach == pytest.approx(share * 0.02, rel=1e-12)
@@ -344,7 +353,9 @@ def test_loading_jumps_in_and_into_full_contact_and_unloading_comes_back_another
     ],
 )
 def test_the_pull_off_tends_to_jkr_as_the_inverse_square_of_the_stress(jkr, dugdale):
-    """A cohesive interval is pi E* w/4 s^2 long there, the first correction of the zone's width."""
+    """Under large stresses s, a cohesive interval is pi E* w/(4 s^2) long.
+    This is the first correction of the half width of contact.
+    """
     stresses = np.array([0.5, 1.0, 2.0, 4.0])
     exact_load, exact_width = jkr.pull_off().load, jkr.pull_off().half_width
     states = [dugdale(s).pull_off() for s in stresses]
@@ -352,7 +363,7 @@ def test_the_pull_off_tends_to_jkr_as_the_inverse_square_of_the_stress(jkr, dugd
     assert np.polyfit(np.log(stresses[1:]), np.log(widths[1:]), 1)[0] == pytest.approx(
         -2.0, abs=0.05
     )
-    # Dugdale's interval beside a crack of intensity K_I^2 = 2 E* w: pi K_I^2/8 s^2.
+    # Dugdale's interval beside a crack with K_I^2 = 2 E* w has the length pi K_I^2/(8 s^2).
     last = states[-1]
     length = 0.25 * np.pi * E_STAR * 2e-4 / stresses[-1] ** 2
     assert last.cohesive_end - last.half_width == pytest.approx(length, rel=0.02)
@@ -456,7 +467,7 @@ def test_a_pressure_off_by_one_part_in_1e8_fails_the_same_laws():
             assert cohesive_error(state, off=1e-8) > 100.0 * TOL
 
 
-def test_what_cannot_be_is_refused_by_name():
+def test_invalid_arguments_are_refused_by_name():
     zone = exact.Westergaard(0.02, L, E_STAR, 0.5)
     with pytest.raises(SceneError, match="work"):
         exact.JKRZone(zone, -1.0)

@@ -1,4 +1,4 @@
-"""`contact explore`: what can be turned, what a frame says, and the page in a real browser."""
+"""`contact explore`: its handles, the contents of a frame, and the page in a real browser."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_a_shape_without_a_name_has_no_text() -> None:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_handles_that_stand_where_they_were_leave_the_scene_as_it_is(name: str) -> None:
+def test_handles_that_are_not_moved_leave_the_scene_as_it_is(name: str) -> None:
     scene = SCENES[name]
     known = handles(scene)
     assert known[0].name == scene.control[0]
@@ -100,7 +100,7 @@ def test_samples_of_a_shape_are_points_on_it() -> None:
 
 
 def session(scene: contact.Scene | str, is_awaited: Callable[[], bool] = lambda: False) -> Session:
-    """The tab of a scene, or of the text of a scene file."""
+    """The session of a browser tab, for a scene or for the text of a scene file."""
     if isinstance(scene, contact.Scene):
         return Session(Given(scene), 1e-8, is_awaited)
     tables = tomllib.loads(scene)
@@ -108,11 +108,13 @@ def session(scene: contact.Scene | str, is_awaited: Callable[[], bool] = lambda:
 
 
 def ask(tab: Session, ask: str, **request: Any) -> dict[str, Any]:
+    """The reply of a session to a request: header and arrays in one dict."""
     header, arrays = tab.reply({"ask": ask, **request})
     return {**header, **arrays}
 
 
 def said(reply: dict[str, Any]) -> dict[str, str]:
+    """The numbers of a reply as text, by their names."""
     return dict(map(tuple, reply["numbers"]))
 
 
@@ -161,7 +163,8 @@ def test_a_frame_shows_the_fields_of_its_solution(name: str) -> None:
     found = drawn(contact.solve(SCENES[name]))
     x, body, surface, touching, pressure = found.fields
     assert (np.diff(x) >= 0).all() and np.isfinite([x, body, surface, pressure]).all()
-    # Bodies do not enter each other; they are one line just where they touch, and push there.
+    # The bodies do not overlap. Their surfaces coincide just in the zones, and only there is
+    # the pressure not zero.
     room = 1e-6 * (max(body.max(), surface.max()) - min(body.min(), surface.min()))
     assert (body - surface > -room).all()
     inside = np.any((x >= found.zones[:, :1]) & (x <= found.zones[:, 1:]), axis=0)
@@ -236,7 +239,8 @@ def test_the_load_curve_stays_while_the_scene_moves_along_it() -> None:
     assert found["curve"] == first["curve"] and len(points) > 15 and found["receding"] == []
     x, y, slope = np.array(points[:-1], dtype=float).T
     assert (np.diff(x) > 0).all() and (np.diff(y) > 0).all()
-    # The curve lies between the chords' slopes, which its own slopes enclose: it is convex.
+    # The slope of each chord lies between the slopes of the curve at its ends: the curve is
+    # convex.
     assert (np.diff(y) / np.diff(x) > slope[:-1]).all()
     assert (np.diff(y) / np.diff(x) < slope[1:]).all()
     assert ask(tab, "frame", values={"mean_pressure": 1e9})["curve"] == first["curve"]
@@ -252,7 +256,8 @@ def test_under_adhesion_both_branches_are_there_with_their_jumps(name: str) -> N
     found = ask(tab, "curve")
     assert found["done"] and len(found["jumps"]) == 2
     (into, out), period = found["jumps"], tab.base.period or 1.0
-    # Contact begins by a jump into tension and ends by one to zero load, at a smaller approach.
+    # Contact begins with a jump from zero load into tension. It ends with a jump to zero load,
+    # at a smaller approach.
     assert into[0][1] == 0.0 > into[1][1] and out[0][1] < 0.0 == out[1][1]
     assert out[0][0] < into[0][0]
     half = 0.5 * (into[0][0] + out[0][0])
@@ -264,7 +269,8 @@ def test_under_adhesion_both_branches_are_there_with_their_jumps(name: str) -> N
     assert first["here"][0] == pytest.approx(tab.base.approach)
 
 
-def test_a_load_curve_gives_way_to_a_hand() -> None:
+def test_a_load_curve_gives_way_to_a_waiting_request() -> None:
+    """The computation of a curve or of a precise solution stops while another request waits."""
     waits = False
     tab = session(PRESETS["rough"].text, lambda: waits)
     ask(tab, "frame", fine=True)
@@ -301,6 +307,7 @@ def test_the_stress_below_is_that_of_the_solution(kind: str) -> None:
 
 
 def test_a_body_without_stresses_says_so() -> None:
+    """The scene of a layer is solved, and the reply says that it has no stresses."""
     reply = ask(session(SCENES["layer"]), "frame", below="shear")
     below = tuple(reply["below"].values()) if isinstance(reply["below"], dict) else ()
     assert any("no stresses" in str(part) for part in below) and "numbers" in reply
@@ -313,7 +320,7 @@ def test_every_preset_is_a_scene(name: str) -> None:
     assert scene_from_tables(tomllib.loads(PRESETS[name].text)).control
 
 
-def test_a_scene_that_cannot_be_is_told_and_the_last_one_stays() -> None:
+def test_an_invalid_scene_is_refused_and_the_last_one_stays() -> None:
     tab = session(SCENES["layer"])
     text = ask(tab, "frame", fine=True)["text"]
     last = tab.solution
@@ -333,7 +340,7 @@ def test_a_scene_that_cannot_be_is_told_and_the_last_one_stays() -> None:
     assert "border" in ask(tab, "frame")["refused"] and tab.solution is None
 
 
-def test_a_fault_of_the_program_is_told_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fault_of_the_program_is_reported_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
     tab = session(WAVE)
 
     def broken(*_: object) -> None:
@@ -435,7 +442,7 @@ SIZES = (390, 768, 1280)
 
 
 def at_rest(page: Page) -> str:
-    """The text of the scene file, once it is that of the scene that is shown."""
+    """The text of the scene file, once the page shows the full solution of its scene."""
     return page.until(lambda: page.run(f"document.body?.dataset.rest === 'yes' && {TEXT}"), 120)
 
 
@@ -482,7 +489,7 @@ def test_every_preset_fits_and_says_what_a_solve_says(
         report = contact.extras.require("contact.solution.stress_report")
         largest = report.stress_report(solution, given["nu1"]).mises
         assert shown(page)["largest von Mises"] == quantity(largest.stress, "Pa")
-    # Nothing is wider than the window.
+    # No element is wider than the window.
     assert page.run("document.documentElement.scrollWidth") <= width
     wide = "[...document.querySelectorAll('main *')].map(one => one.getBoundingClientRect().right)"
     assert page.run(f"Math.max(...{wide})") <= width
@@ -493,9 +500,7 @@ def test_every_preset_fits_and_says_what_a_solve_says(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("width", SIZES)
-def test_a_hand_that_drags_the_load_reads_the_numbers_of_that_load(
-    served: Served, width: int
-) -> None:
+def test_dragging_the_load_shows_the_numbers_of_that_load(served: Served, width: int) -> None:
     page = served.page
     page.resize(width)
     preset(page, "given scene")
@@ -524,7 +529,8 @@ def test_a_frame_is_painted_for_every_few_moves(served: Served) -> None:
 
 
 @pytest.mark.slow
-def test_a_stretch_that_is_dragged_over_fills_the_pictures(served: Served) -> None:
+def test_dragging_over_a_stretch_zooms_into_it(served: Served) -> None:
+    """Dragging over the picture shows that stretch of x; a double click shows all of it again."""
     page, canvas = served.page, "document.querySelector('#contact')"
     page.resize(1280)
     preset(page, "wave")
@@ -541,6 +547,7 @@ def test_a_stretch_that_is_dragged_over_fills_the_pictures(served: Served) -> No
 
 @pytest.mark.slow
 def test_a_button_enlarges_the_largest_pressure_of_a_trace(served: Served) -> None:
+    """The first click shows six times the width of the zone; the second one shows all."""
     page, canvas = served.page, "document.querySelector('#contact')"
     page.resize(768)
     preset(page, "wave")
@@ -572,7 +579,7 @@ def test_a_bad_scene_is_a_message_on_the_page(served: Served) -> None:
     message = page.run(f"{refused}.innerText")
     assert "missing" in message and "the last scene that was solved" in message
     assert "Traceback" not in page.run("document.documentElement.innerHTML")
-    # And the page goes on.
+    # The page still works.
     page.drag("document.querySelectorAll('input[type=range]')[1]", 20)
     page.until(lambda: page.run(f"{refused}.hidden"))
     at_rest(page)

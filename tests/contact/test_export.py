@@ -1,4 +1,4 @@
-"""A solution as data says what the solution says, in full precision and in types every reader has."""
+"""Exported data are those of the solution, in full precision and in types every reader has."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ KEYS = {
 
 
 def westergaard(half_width=0.2 * L, waves=1, peak=None) -> StandIn:
+    """A stand-in for a solution with `waves` waves in the period, each with a zone."""
     profile = contact.Fourier(L, cosine=[0.0] * (waves - 1) + [-1e-6])
     scene = contact.Scene(profile, E_star=1.1e11, interaction=contact.Periodic(), mean_pressure=1e7)
     return StandIn(scene, 1e-6, half_width / waves, waves, peak)
@@ -38,7 +39,7 @@ class TestJSON:
         assert read["zones"] == solution.zones.tolist()
         assert read["load"] != westergaard(0.2001 * L).load
 
-    def test_what_is_infinite_or_not_defined_is_null_at_any_depth(self):
+    def test_infinite_and_undefined_values_are_null_at_any_depth(self):
         assert json.loads(export.to_json(westergaard(peak=np.inf)))["max_pressure"] is None
         assert json.loads(export.to_json(westergaard()))["certificate"]["largest_gap"] is None
         assert export.plain({"a": [np.nan, (np.inf, None)], "b": np.array([[1.0, -np.inf]])}) == {
@@ -103,19 +104,19 @@ class TestNetCDF:
     def test_a_trapezoid_over_the_sampled_pressure_gives_the_load(self):
         data = export.to_xarray(westergaard())
         load = float(np.trapezoid(data.pressure, data.x))
-        # Even cells of a thousandth of the period: curvature (h^2/12) p'' of some 1e-6, and more at
-        # the ends.
+        # The samples are about a thousandth of the period apart. The trapezoidal rule is wrong
+        # by (h^2/12) p'', a relative 1e-6, and by more at the ends of zones.
         assert load == pytest.approx(data.attrs["load"], rel=1e-4)
         assert load != pytest.approx(1.001 * data.attrs["load"], rel=1e-4)
 
-    def test_what_the_scene_does_not_define_is_left_out(self):
+    def test_quantities_that_the_scene_does_not_define_are_left_out(self):
         scene = contact.Scene(
             contact.Parabola(1e-2), E_star=1.1e11, interaction=contact.Isolated(), load=1e3
         )
         attributes = export.to_xarray(contact.solve(scene)).attrs
         assert "mean_pressure" not in attributes and "approach" not in attributes
 
-    def test_a_long_measured_profile_is_told_by_its_shape(self):
+    def test_a_long_measured_profile_is_described_by_the_shape_of_its_arrays(self):
         x = np.linspace(0.0, L, 500)
         trace = contact.Sampled(x, np.cos(2 * np.pi * x / L), period=L)
         scene = contact.Scene(trace, E_star=1.1e11, interaction=contact.Periodic(), load=1.0)
@@ -169,10 +170,12 @@ class TestSampling:
         assert window(contact.solve(scene)) == pytest.approx((-3e-5, 3e-5), rel=1e-12)
         x = np.linspace(-L, L, 41)
         trace = contact.Sampled(x, -(x**2) / 2e-2)
-        # Hertz: half width 0.8 L, so that twice the span on either side would leave the trace.
+        # The load is Hertz's for the half width 0.8 L. The width of the zone on either side
+        # would leave the trace.
         load = np.pi / 4 * 1.1e11 * (0.8 * L) ** 2 / 1e-2
         wide = contact.Scene(trace, E_star=1.1e11, interaction=contact.Isolated(), load=load)
         assert window(contact.solve(wide)) == (-L, L)
+        # A trace is shown whole, also if the zone is narrow.
         lightly = contact.Scene(
             trace, E_star=1.1e11, interaction=contact.Isolated(), load=1e-3 * load
         )

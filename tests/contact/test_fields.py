@@ -1,4 +1,4 @@
-"""Every route to a contact returns the same fields, and they hold the same laws."""
+"""The solutions of all routes have the same fields, which obey the same laws."""
 
 from dataclasses import replace
 
@@ -49,7 +49,7 @@ def test_the_loads_of_the_zones_and_the_integral_of_the_pressure_are_the_load(so
     if len(zones):
         assert fields.loads.sum() - pull == pytest.approx(solution.load, rel=1e-9)
         s, weight = np.polynomial.legendre.leggauss(200)
-        # t = sin(pi s / 2): roots at the ends are smooth in s.
+        # With t = sin(pi s / 2), square roots at the ends of a zone are smooth in s.
         t, weight = np.sin(0.5 * np.pi * s), 0.5 * np.pi * np.cos(0.5 * np.pi * s) * weight
         half = 0.5 * np.diff(zones)[:, 0]
         borne = [h * weight @ fields.pressure_at(k, t) for k, h in enumerate(half)]
@@ -60,7 +60,7 @@ def test_the_loads_of_the_zones_and_the_integral_of_the_pressure_are_the_load(so
         assert mean * solution.scene.period == pytest.approx(solution.load, rel=1e-9)
 
 
-def test_displacement_shape_and_approach_make_the_gap(solution):
+def test_the_gap_is_height_plus_displacement_minus_approach(solution):
     fields, profile = solution.fields, solution.scene.profile
     zones = fields.zone_table
     lo, hi = (zones[0, 0], zones[-1, 1]) if len(zones) else (0.0, solution.scene.period)
@@ -72,6 +72,7 @@ def test_displacement_shape_and_approach_make_the_gap(solution):
 
 
 def test_levels_are_minus_the_approach_and_agree(solution):
+    """The level of a zone is -(u + f) on it, so all levels are minus the approach."""
     fields, unit = solution.fields, solution.fields.problem.units.height
     if fields.approach is None:
         return
@@ -93,7 +94,7 @@ def test_stiffness_is_the_slope_of_the_load_over_the_approach(solution):
     assert slope == pytest.approx(stiffness, rel=1e-4)
 
 
-def test_a_law_answers_by_what_it_declares():
+def test_laws_declare_pressure_range_equilibria_and_routes():
     plain, adhesive = contact.Frictionless(), contact.JKR(0.1)
     assert plain.pressure_range == PressureRange(0.0) and adhesive.pressure_range.has_tension
     assert plain.equilibria == Equilibria(True) and adhesive.equilibria.start == plain
@@ -113,7 +114,7 @@ def test_a_law_may_name_the_module_that_solves_its_scenes(monkeypatch):
     assert [task.scene for task in asked] == [scene]
 
 
-def test_what_the_module_of_a_law_returns_is_not_refined(monkeypatch):
+def test_the_result_of_the_module_of_a_law_is_not_refined(monkeypatch):
     class Own(contact.Frictionless):
         name = "own"
         routes = Routes(False, False, module="contact.testing")

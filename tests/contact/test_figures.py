@@ -1,5 +1,5 @@
-"""The paper's figures: every one is drawn, its numbers are its CSV's, and they say what docs/paper
-says of them.
+"""The figures of the paper are drawn, and their numbers are in CSV files.
+The numbers agree with the statements of docs/paper.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ figures = pytest.importorskip("contact.paper.figures")
 
 @pytest.fixture(scope="module")
 def made():
-    """Each figure once, when first asked for."""
+    """Function that returns a figure by its number; each figure is made once."""
     kept = {}
 
     def of(number):
@@ -34,13 +34,13 @@ def made():
 
 
 def column(figure, *words):
-    """The one column whose name holds all words."""
+    """The only column whose name contains all words."""
     names = [name for name in figure.columns if all(word in name for word in words)]
     assert len(names) == 1, names
     return figure.columns[names[0]]
 
 
-# These take seconds each.
+# Making one of these figures takes seconds.
 LONG = ("2B", "8", "10", "12", "13")
 EVERY = [pytest.param(n, marks=pytest.mark.slow if n in LONG else ()) for n in figures.FIGURES]
 
@@ -64,7 +64,7 @@ def test_a_figure_is_a_picture_and_its_numbers(number, made, tmp_path):
 def test_every_curve_has_numbers_and_no_pressure_is_negative(number, made):
     for name, values in made(number).columns.items():
         if number == "2A" and name == "p/E* all neighbours l/R=0.2":
-            assert np.isnan(values).all()  # the spots would grow into one another
+            assert np.isnan(values).all()  # the spots would overlap
             continue
         assert np.isfinite(values).any(), name
         assert not name.startswith(("p/", "max", "mean")) or np.nanmin(values) >= 0, name
@@ -92,8 +92,8 @@ def test_figure_8_has_the_first_order_maximum_and_the_end_of_the_isolated_wave(m
     fraction, first = column(made("8"), "2a/L"), column(made("8"), "mean", "first-order")
     assert fraction[np.nanargmax(first)] == pytest.approx(0.88, abs=0.011)  # a/L near 0.44
     alone = column(made("8"), "mean", "isolated")
-    # (20)-(22) keep p > 0 up to a/L = 0.3827, but from 0.304 on the wave alone would overlap the
-    # surface at its valley.
+    # By (20)-(22), p > 0 up to a/L = 0.3827. But from a/L = 0.304 on, the isolated wave would
+    # overlap the other surface at its valley.
     assert fraction[np.isfinite(alone)].max() == pytest.approx(0.6)
     gap = [float(exact.IsolatedSinusoid(0.01, 1.0, 1.0, a).gap(0.5)) for a in (0.303, 0.305)]
     assert gap[0] > 0 > gap[1]
@@ -117,7 +117,8 @@ def test_figure_11_has_the_exact_pressure_of_the_closed_form(made):
     for mean in (0.05, 0.15):
         closed = exact.PeriodicParabola.from_mean_pressure(mean, period=1.0, radius=1.0, E_star=1.0)
         drawn = column(made("11"), "exact", f"mean={mean}")
-        # At fixed x the ends' own error comes as its square root.
+        # Near an end, the pressure at a fixed x changes by the square root of the error of the
+        # end.
         np.testing.assert_allclose(drawn, closed.pressure(x), atol=1e-5 * closed.max_pressure)
         assert np.max(drawn) > np.max(column(made("11"), "isolated", f"mean={mean}"))
 
@@ -169,7 +170,7 @@ def test_all_figures_are_wanted_where_none_is_named_and_unknown_ones_are_refused
         figures.chosen(["3"])
 
 
-def test_a_figure_in_the_units_of_the_paper_warns_of_no_surface(tmp_path):
+def test_a_figure_in_the_units_of_the_paper_gives_no_warning(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert len(figures.write("11", tmp_path)) == 2
