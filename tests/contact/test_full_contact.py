@@ -1,4 +1,4 @@
-"""Full contact: where it begins, its exact pressure, and what cannot come into it."""
+"""Full contact: the load where it begins, its exact pressure, and profiles that never reach it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ROUGH = contact.Fourier(1.0, COSINE, SINE)
 
 
 def rough_pressure(mean, x=X):
-    """mean - (E*/2) H f', H cos = sin, H sin = -cos, E* = 1."""
+    """The pressure mean - (E*/2) H f' for E* = 1, where H cos = sin and H sin = -cos."""
     k = 2 * np.pi * np.arange(1, 5)
     return mean - 0.5 * (
         np.cos(np.outer(x, k)) @ (k * COSINE) + np.sin(np.outer(x, k)) @ (k * SINE)
@@ -44,7 +44,7 @@ class TestSmallestLoad:
 
     def test_of_a_fourier_series_lifts_the_lowest_pressure_to_zero(self):
         solution = solve(ROUGH, PERIODIC, contact_fraction=1.0)
-        # The grid of the reference misses the minimum by its curvature times 1e-13.
+        # The grid of the reference value misses the minimum by 1e-13 of the curvature there.
         assert abs(solution.mean_pressure / smallest_rough_load() - 1) < 1e-11
         assert solution.pressure(X).min() > -1e-12
 
@@ -57,7 +57,7 @@ class TestSmallestLoad:
         )
         assert (
             abs(solution.mean_pressure / (np.pi * 0.01) - 1) < (2 * np.pi / 128) ** 4
-        )  # a cubic spline's slope
+        )  # error of the slope of a cubic spline
 
     @pytest.mark.parametrize(
         "profile",
@@ -83,7 +83,7 @@ class TestSmallestLoad:
 
     @pytest.mark.parametrize("distance", [1e-2, 1e-4, 1e-6])
     def test_the_last_gap_of_a_sinusoid_closes_as_the_square_root(self, distance):
-        # pbar/p* = sin^2 A: cos A = sqrt(distance).
+        # Westergaard: pbar/p* = sin^2 A with A = pi a/L, so cos A = sqrt(distance).
         star = np.pi * E * DELTA / L
         solution = solve(WAVE, PERIODIC, E, tol=1e-6, mean_pressure=star * (1 - distance))
         gap = L - solution.zone_widths[0]
@@ -120,7 +120,8 @@ class TestPressure:
         least = solve(profile, PERIODIC, contact_fraction=1.0).mean_pressure
         solution = solve(profile, PERIODIC, mean_pressure=1.5 * least)
         assert abs(np.mean(solution.pressure(np.arange(4096) / 4096)) / (1.5 * least) - 1) < 1e-7
-        # H H = -1 on what has no mean: the conjugate of the pressure by FFT gives the slope back.
+        # H H = -1 on functions with zero mean. So the transform H of the pressure, by FFT,
+        # returns the slope.
         fine = (np.arange(4096) + 0.5) / 4096
         spectrum = np.fft.rfft(solution.pressure(fine)) * -1j
         spectrum[0] = 0
@@ -133,8 +134,8 @@ class TestPressure:
         least = solve(ROUGH, PERIODIC, contact_fraction=1.0).mean_pressure
         below = solve(ROUGH, PERIODIC, tol=1e-7, mean_pressure=least * (1 - 1e-8))
         above = solve(ROUGH, PERIODIC, mean_pressure=least)
-        # A gap of width g takes the pressure g^2 of the curvature's away: the loads' difference and
-        # no more.
+        # A gap of width g changes the pressure by about g^2 times the curvature of the
+        # pressure. This is as small as the difference of the loads.
         assert np.max(np.abs(below.pressure(X) - above.pressure(X))) < 1e-6 * above.max_pressure
 
 
@@ -160,7 +161,7 @@ class TestNumbers:
 
     def test_an_approach_of_the_mean_height_or_more_names_no_load(self):
         full = solve(ROUGH, PERIODIC, contact_fraction=1.0).approach
-        # Rounding, of the approach and of the mean, does not decide.
+        # Round-off of the approach and of the mean height must not decide.
         for approach in (full, full * (1 - 4e-16), full * (1 - 1e-15), 1.0001 * full, 10 * full):
             with pytest.raises(contact.OutOfRange, match="mean of the profile"):
                 solve(ROUGH, PERIODIC, approach=approach)
@@ -178,8 +179,8 @@ class TestNumbers:
 
 
 class Rough(contact.Profile):
-    """f' = u - 1/2 + c sum cos(2 pi k u) / k^2, u = x mod 1: a valley with a kink, and a bend there
-    that is not declared.
+    """f' = u - 1/2 + c sum_k cos(2 pi k u) / k^2 with u = x mod 1.
+    The valley has a kink; the jump of f'' in the same place is not declared.
     """
 
     period, c = 1.0, 0.1
@@ -206,14 +207,14 @@ def test_a_conjugate_in_closed_form_is_taken_where_the_series_does_not_end():
     conjugate = Conjugate(Rough())
     x = np.concatenate((np.geomspace(1e-4, 0.5, 50), -np.geomspace(1e-4, 0.5, 50)))
     assert np.max(np.abs(conjugate.smooth(x) - Rough.c * clausen2(x))) < 1e-13
-    # Beside the kink it is straight: Clausen's function turns there as u ln u does.
+    # Next to the kink the conjugate is linear, but Clausen's function behaves like u ln u.
     beside = np.array([-1e-6, 0.0, 1e-9, 1e-6])
     assert np.max(np.abs(conjugate.smooth(beside) - Rough.c * clausen2(beside))) < 1e-4 * Rough.c
 
 
 class Arcs(contact.Profile):
-    """Arcs of cubics on a wave, of which no conjugate is given: the slope's first and second
-    derivatives jump at places of their own.
+    """Cubic arcs on a wave, without a conjugate in closed form.
+    At random places the first or the second derivative of the slope jumps.
     """
 
     period = 2.0
@@ -224,7 +225,9 @@ class Arcs(contact.Profile):
         self.order, self.height_of = rng.integers(2, 4, places), rng.standard_normal(places)
 
     def _sum(self, x, derivative):
-        """Of Bernoulli polynomials, which repeat: their derivatives of these orders jump."""
+        """The height or (derivative = 1) the slope of the arcs: a sum of Bernoulli polynomials.
+        These are periodic; their derivatives of the order `order` jump.
+        """
         u = ((np.asarray(x, dtype=float)[..., None] - self.at) / 2.0) % 1.0
         second = (((u - 1) * u + 1 / 6) / 2) * 2.0, (((u - 1.5) * u + 0.5) * u / 6) * 4.0
         third = second[1] * 1.0, ((((u - 2) * u + 1) * u * u - 1 / 30) / 24) * 8.0
@@ -273,7 +276,7 @@ def test_jumps_are_summed_one_by_one_or_as_one_piecewise_quadratic_of_which_poin
 
 
 class Rippled(contact.Profile):
-    """A parabola of curvature 0.04 with ripples, and the kink of its row."""
+    """A row of parabolas of curvature 0.04 with ripples, and with kinks between them."""
 
     period, x0 = 1.0, -0.5
     kinks = np.array([[-0.5, -0.04]])
@@ -291,18 +294,20 @@ class Rippled(contact.Profile):
 
 
 class TestAllButKinks:
-    """Gaps over the kinks of valleys never close: from a load on digits do not tell them, and
-    nothing else is left of the contact.
+    """Gaps over concave kinks never close.
+    Above some load they are too narrow for floating-point numbers, while all other gaps are
+    closed.
     """
 
     @pytest.mark.parametrize("share", [0.98, 1.0001, 2.0, 30.0, 1e6])
     def test_a_row_of_wedges_under_any_load_has_the_pressure_of_the_closed_form(self, share):
-        # mean = (slope/pi) artanh(sin A), here of a gap of 1e-13 of the period on either side of
-        # the valley: cos A = pi 1e-13.
+        # mean = (slope/pi) artanh(sin A). For share = 1 the gap extends over 1e-13 of the
+        # period on either side of the valley, so cos A = pi 1e-13.
         mean = share * 0.01 / np.pi * np.log(2 / (np.pi * 1e-13))
         solution = solve(contact.Wedge(0.01, period=1.0), PERIODIC, mean_pressure=mean)
         x = np.array([1e-6, 0.01, 0.2, 0.4, 0.499, 0.5 - 1e-6])
-        # (slope/pi) arcosh(tan A/tan u), tan A = sinh(pi mean/slope) beyond all tan u.
+        # The pressure is (slope/pi) arcosh(tan A/tan u). Here tan A = sinh(pi mean/slope) is
+        # far larger than all tan u.
         expected = mean - 0.01 / np.pi * np.log(np.tan(np.pi * x))
         assert (len(solution.zones) == 0) == (share > 1) and solution.certificate.holds
         assert np.abs(solution.pressure(x) - expected).max() < 1e-10 * mean
@@ -317,7 +322,7 @@ class TestAllButKinks:
         )
         x = np.linspace(0.38, 0.42, 2_000_001)
         full = (0.02 / np.pi) * np.log(2 * np.cos(np.pi * x)) - 0.1 * np.pi * np.cos(10 * np.pi * x)
-        # The last two at once.
+        # The last two gaps close at the same load.
         last = path.events[-1]
         assert [event.kind for event in path.events] == ["full"] and len(last.before) == 2
         assert abs(last.load + full.min()) < 1e-11
@@ -343,6 +348,6 @@ def test_what_rounding_makes_of_gaps_is_named():
     assert limit(free, 1e-10, "gap", error=2e-8).startswith(
         "rounding of heights and slopes leaves the ends of a gap of 2.0e-03"
     )
-    # What Newton's steps have left to do is no rounding.
+    # An end error that is left by Newton's method does not come from round-off.
     free.end_error = free.end_error * 10
     assert limit(free, 1e-8, "gap", error=2e-8) == ""

@@ -1,4 +1,5 @@
-"""Nearly full contact, solved by its gaps: closed forms, agreement with the zones, and the smallest
+"""Nearly full contact, solved by its gaps.
+The solutions are compared with closed forms and with solutions by zones, down to the smallest
 gaps.
 """
 
@@ -20,11 +21,12 @@ T = np.array([-0.999, -0.9, -0.3, 0.0, 0.5, 0.99])
 
 
 def closed(gap):
-    """Westergaard's contact with a gap of this part of the period."""
+    """Westergaard's contact whose gap is this fraction of the period."""
     return exact.Westergaard(AMPLITUDE, PERIOD, MODULUS, 0.5 * PERIOD * (1 - gap))
 
 
 def errors(solution, truth):
+    """The larger of the errors of the pressure (over its largest value) and of the ends."""
     pressure = np.abs(solution.pressure_at(T) - truth.pressure_at(T)).max() / truth.max_pressure
     ends = np.abs(solution.zones - truth.zones).max() / truth.zone_widths[0]
     return max(pressure, ends)
@@ -34,7 +36,7 @@ def errors(solution, truth):
 def test_the_wave_is_exact_up_to_gaps_of_a_millionth_of_the_period(gap):
     truth = closed(gap)
     solution = contact.solve(contact.Scene(WAVE, MODULUS, contact.Periodic(), load=truth.load))
-    # Wider gaps are those of one interval, which is solved directly.
+    # With wider gaps, contact is one zone with a solution in closed form.
     assert (solution.certificate.note == "solved by its gaps") == (gap < 0.05)
     assert errors(solution, truth) < 1e-9
     assert errors(solution, truth) <= solution.error
@@ -115,12 +117,12 @@ class TestBorders:
         assert abs(solution.load / answer.load - 1) < 1e-13
 
     @pytest.mark.parametrize("gap", quick([1e-8, 1e-9, 1e-12], [1e-9]))
-    def test_a_gap_that_rounding_may_have_anywhere_on_the_top_of_the_valley_is_not_stated_to_be_in_its_place(
+    def test_the_stated_error_covers_the_position_of_a_gap_that_rounding_may_shift_in_its_valley(
         self, gap
     ):
         cosine, sine = np.array([1e-6, 2e-7, 1e-7]), np.array([3e-7, 0.0, 2e-8])
         wave = contact.Fourier(PERIOD, cosine, sine)
-        # The top of H f', by Newton on its derivative.
+        # The maximum of H f' is found by Newton's method on its derivative.
         k = 2 * np.pi / PERIOD * np.arange(1, 4)
         x = PERIOD * np.argmax(wave.slope_conjugate(PERIOD * np.arange(4096) / 4096)) / 4096
         for _ in range(6):
@@ -133,7 +135,7 @@ class TestBorders:
         off = (0.5 * float(best.zones.sum()) + 0.5 * PERIOD - x) / PERIOD + 0.5
         assert abs(off - np.floor(off) - 0.5) <= best.error
 
-    def test_an_approach_whose_last_digit_is_a_different_load_is_told_so(self):
+    def test_an_approach_whose_last_digit_changes_the_load_is_refused_for_that(self):
         answer = exact.PeriodicWedge(0.1, 1.0, 1e9, 0.5 * (1 - 1e-6))
         scene = contact.Scene(
             contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=answer.approach
@@ -145,7 +147,8 @@ class TestBorders:
             contact.solve(scene)
         best = refused.value.best
         assert pressure_error(best, answer) <= best.error
-        # One digit up or down: the load moves by as much as is said.
+        # One unit more or less in the last digit of the approach changes the load by about as
+        # much as the stiffness predicts.
         shifted = [np.nextafter(answer.approach, side) for side in (0.0, 1.0)]
         loads = [
             _best(contact.Scene(contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=a)).load
@@ -159,8 +162,8 @@ class TestBorders:
             < 5
         )
 
-    def test_an_approach_far_below_the_heights_is_that_of_the_load(self):
-        # The slope of a gap over so deep a valley tells little of so small a pressure.
+    def test_an_approach_far_below_the_heights_gives_the_load_it_came_from(self):
+        # The slope of the gap over so deep a valley hardly depends on so small a pressure.
         terrace = polygon(
             np.array([-4.67, -2.6, 0.1, 0.55, 2.2, 3.82]),
             -np.array([0.0, 0.0, 0.0, 0.15, 0.15, 0.15]),
@@ -180,7 +183,7 @@ def _best(scene):
         return failure.best
 
 
-def test_what_full_contact_takes_of_the_pressure_is_sampled_once_for_all_loads_of_a_curve():
+def test_the_relief_of_the_pressure_is_sampled_once_for_all_loads_of_a_curve():
     profile = contact.self_affine(
         hurst=0.8, period=1.0, shortest=1 / 40, longest=1.0, rms_slope=0.1, seed=3
     )
@@ -192,7 +195,7 @@ def test_what_full_contact_takes_of_the_pressure_is_sampled_once_for_all_loads_o
         x, pressure = solution.fields.samples
         assert len(x) == len(relief.samples[0]) and np.ptp(x) < solution.fields.period
         assert pressure == pytest.approx(solution.fields.formal_pressure(x), abs=1e-12)
-        # Nothing that is sampled lies above the peak, nor much below it.
+        # The largest sample is not above the largest pressure, and not much below it.
         peak = pressure.max() * solution.fields.problem.units.pressure
         assert 0.99 * solution.max_pressure < peak <= (1 + 1e-12) * solution.max_pressure
 

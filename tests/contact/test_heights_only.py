@@ -1,4 +1,4 @@
-"""Profiles by height alone: solved as with their slope, or refused with the true reason."""
+"""Profiles given by heights only: solved as with their slope, or refused for the true reason."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ TURN = 2 * np.pi
 
 
 class Heights(contact.Profile):
-    """A shape by its height alone."""
+    """A profile that is given by its height only."""
 
     def __init__(self, height, period=None):
         self.height_of, self.length = height, period
@@ -27,7 +27,7 @@ class Heights(contact.Profile):
 
 
 class Given(Heights):
-    """The same with its slope."""
+    """The same profile, given by height and slope."""
 
     def __init__(self, height, slope, period=None):
         super().__init__(height, period)
@@ -38,7 +38,7 @@ class Given(Heights):
 
 
 def of_floats(height):
-    """The same height, which takes no complex numbers."""
+    """The same height function, but without complex arguments."""
     return lambda x: height(np.asarray(x, dtype=float))
 
 
@@ -69,7 +69,7 @@ def test_scales_far_apart_are_solved_by_heights_alone(pressed, kind):
     )
 
 
-# Height, slope, period, and what an isolated contact of about 0.1 takes.
+# The height, the slope and the period of each profile.
 SHAPES = {
     "catenary": (np.cosh, np.sinh, None),
     "constant": (lambda x: 100 + x**2 / 2, lambda x: x, None),
@@ -160,17 +160,17 @@ DIFFERENTIATED = {
 
 
 @pytest.mark.parametrize("shape", DIFFERENTIATED)
-def test_differences_are_as_good_as_they_say_at_each_place(shape):
+def test_the_error_of_differences_is_at_most_the_stated_one_at_each_point(shape):
     height, slope, x = DIFFERENTIATED[shape]
     derived, doubt = differences(height, x, scale_of(x))
     off = np.abs(derived - slope(x))
-    # What the slope itself is rounded to by its own argument.
+    # Round-off of the exact slope: of its value, and by round-off of its argument.
     rounded = 1e-15 * np.abs(slope(x)) + np.abs(slope(np.nextafter(x, np.inf)) - slope(x))
     assert np.all(off <= doubt + 4 * rounded)
     assert np.median(doubt) <= 1e-5 * np.max(np.abs(slope(x)))
 
 
-def test_places_beyond_the_ends_of_a_shape_are_not_asked_for():
+def test_heights_beyond_the_ends_of_a_profile_are_not_evaluated():
     asked = []
 
     def height(x):
@@ -183,7 +183,7 @@ def test_places_beyond_the_ends_of_a_shape_are_not_asked_for():
     assert min(lo for lo, _ in asked) >= 0.0 and max(hi for _, hi in asked) <= 1.0
 
 
-def test_a_slope_that_misses_the_ripples_is_no_rounding_of_the_heights():
+def test_a_slope_without_the_ripples_is_not_taken_for_rounding_of_the_heights():
     wrong = Given(rippled, lambda x: x / RADIUS)
     with pytest.raises(contact.ContactError) as refused:
         contact.solve(contact.Scene(wrong, 1e11, contact.Isolated(), load=1e4))
@@ -215,7 +215,7 @@ def test_a_refusal_names_the_corner_that_was_not_declared(height):
 @pytest.mark.parametrize(
     "control", [{"contact_fraction": 0.3}, {"contact_fraction": 0.9}, {"mean_pressure": 1e5}]
 )
-def test_heights_that_are_no_numbers_in_places_are_refused_with_the_first_one(lo, control):
+def test_heights_that_are_nan_somewhere_are_refused_with_the_first_such_position(lo, control):
     def height(x):
         return np.where((x > lo) & (x < lo + 1e-3), np.nan, 1e-3 * (1 - np.cos(TURN * x)))
 
@@ -224,7 +224,7 @@ def test_heights_that_are_no_numbers_in_places_are_refused_with_the_first_one(lo
     assert lo < float(str(refused.value).split("x = ")[1].split(" m")[0]) < lo + 1e-3
 
 
-def test_heights_that_are_no_numbers_beside_a_lone_contact_are_told_with_the_first_one():
+def test_heights_that_are_nan_beside_an_isolated_contact_are_refused_with_the_first_such_position():
     lost = Heights(lambda x: np.where((x > 0.2) & (x < 0.3), np.nan, x**2))
     with pytest.raises(contact.OutOfRange, match=r"height\(x\) is nan at x = 0\.2"):
         contact.solve(contact.Scene(lost, E_STAR, contact.Isolated(), load=1e7))

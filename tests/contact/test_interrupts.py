@@ -1,4 +1,4 @@
-"""Ctrl-C ends a command with one line and status 130, whatever it is at."""
+"""Ctrl-C ends a command with one line and the status 130, whatever the command is doing."""
 
 from __future__ import annotations
 
@@ -23,18 +23,19 @@ pytest.importorskip("click")
 def interrupted(
     folder: Path, after: str, command: tuple[str, ...] = ("-m", "contact")
 ) -> subprocess.CompletedProcess[str]:
-    """Run a command that waits for ever for its scene, a pipe, and interrupt it once it has
-    imported a module.
+    """Result of a command that is interrupted once it has imported the module `after`.
+    Its scene file is a named pipe, for which the command waits without end.
     """
     os.mkfifo(folder / "scene.toml")
     arguments = [sys.executable, "-X", "importtime", *command, "solve", str(folder / "scene.toml")]
-    # Tests that run in the background of a shell ignore the signal, and a process inherits that.
+    # A shell lets tests in the background ignore SIGINT, and child processes inherit this. So
+    # the default handler is restored.
     heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
     with subprocess.Popen(
         arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard
     ) as process:
         assert process.stderr is not None and process.stdout is not None
-        # Nothing below waits longer than this, though a module were not imported any more.
+        # If the module is not imported any more, the command is killed after this time.
         watch = threading.Timer(60.0, process.kill)
         watch.start()
         for line in process.stderr:
@@ -59,20 +60,22 @@ def test_a_command_is_interrupted_at_any_import(tmp_path: Path, module: str) -> 
     assert (done.returncode, done.stdout, done.stderr.strip()) == (130, "", "contact: interrupted")
 
 
-def test_the_installed_command_too(tmp_path: Path) -> None:
+def test_the_installed_command_is_interrupted_too(tmp_path: Path) -> None:
     script = tmp_path / "contact"
     script.write_text("import sys\nfrom contact.__main__ import main\nsys.exit(main())\n")
     done = interrupted(tmp_path, "numpy", (str(script),))
     assert (done.returncode, done.stdout, done.stderr.strip()) == (130, "", "contact: interrupted")
 
 
-def test_who_imports_the_package_keeps_the_signal() -> None:
+def test_importing_the_package_keeps_the_handler_of_the_signal() -> None:
     assert not interrupts.is_command()
-    # The second where tests run in the background of a shell.
+    # The signal is ignored where tests run in the background of a shell.
     assert signal.getsignal(signal.SIGINT) in (signal.default_int_handler, signal.SIG_IGN)
 
 
-def test_a_frame_below_an_import_is_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_frame_below_an_import_is_recognized(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "imported_for_its_frame.py").write_text("import sys\nframe = sys._getframe()\n")
     monkeypatch.syspath_prepend(tmp_path)
     assert interrupts.importing(importlib.import_module("imported_for_its_frame").frame)

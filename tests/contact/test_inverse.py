@@ -1,5 +1,5 @@
-"""Designed contacts are exact: held to the singular integral, the load and the signs, which the
-design does not compute.
+"""Designed contacts are checked against laws that the design does not compute.
+The laws are the singular integral equation, the load, and the signs of pressure and gap.
 """
 
 from dataclasses import dataclass
@@ -15,13 +15,14 @@ from contact.reference import exact, inverse
 from tests.contact import reference
 from tests.contact.strategies import designed_contacts
 
-# Sums of some 1000 terms, up to 100 times the result: 1e5 eps.
+# The quadrature sums about 1000 terms, up to 100 times as large as the result: 1e5 eps.
 TOL = 2e-11
 
 
 def nodes_for(problem):
-    """Gauss-Chebyshev converges like exp(-2 n sqrt(2 gap/half-width)); 20/sqrt(nearness) leave
-    rounding only.
+    """Number of quadrature nodes at which only round-off is left.
+    Gauss-Chebyshev quadrature converges like exp(-2 n sqrt(2 gap/half width)) with n nodes;
+    20/sqrt(nearness) nodes suffice.
     """
     return 200 + int(40 / np.sqrt(min(problem.nearness, 1.0)))
 
@@ -49,7 +50,7 @@ def test_pressures_are_positive_gaps_open_and_zone_loads_add_up(problem):
 
 @given(designed_contacts(periodic=True))
 def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
-    """Ties the approach, the gaps between all zones and the heights to the pressure alone."""
+    """The pressure alone determines the approach, the gaps between all zones and the heights."""
     ends = np.append(problem.zones.ravel(), problem.zones[0, 0] + problem.period)
     x = np.concatenate(
         [
@@ -64,7 +65,7 @@ def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
 
 @given(designed_contacts())
 def test_the_gap_closes_at_both_sides_of_every_gap(problem):
-    """From either end of a gap the integral of the gap slope agrees at its widest point."""
+    """The slope of the gap, integrated from either end, gives the same gap at its widest point."""
     ends = problem.zones.ravel()
     for k, g in enumerate(problem._product.gaps):
         widest = ends[g] + problem._product.roots[k, 0]
@@ -83,7 +84,7 @@ def test_slopes_are_derivatives_of_heights(problem, where):
     f = [problem.height(x + k * step) for k in (-3, -2, -1, 1, 2, 3)]
     difference = (-f[0] + 9 * f[1] - 45 * f[2] + 45 * f[3] - 9 * f[4] + f[5]) / (60 * step)
     sample = problem.zones[0, 0] + np.linspace(0.0, length, 400)
-    # The sixth derivative's error (2 pi/1000)^6/140 is below the rounding of f over 60 steps.
+    # The truncation error (2 pi/1000)^6/140 of the difference is below round-off of f/(60 step).
     scale = np.max(np.abs(problem.slope(sample)))
     np.testing.assert_allclose(difference, problem.slope(x), rtol=0.0, atol=1e-8 * scale)
 
@@ -135,8 +136,8 @@ def test_a_narrow_gap_and_a_narrow_zone_keep_their_digits():
         problem = inverse.design(zones, 2.0, 0.1, period)
         assert reference.equation_error(problem, nodes=60000) < 1e-10
         x = 1e-7 * np.array([-0.9, -0.5, 0.0, 0.5, 0.9])
-        # In a gap far narrower than its surroundings X M ~ sqrt(w^2 - x^2) x, and its integral (w^2
-        # - x^2)^(3/2).
+        # In a gap |x| < w far narrower than its surroundings, the slope X M is proportional to
+        # x sqrt(w^2 - x^2), and the gap to (w^2 - x^2)^(3/2).
         shape = problem.gap(x) / problem.gap(0.0)
         np.testing.assert_allclose(shape, (1.0 - (x / 1e-7) ** 2) ** 1.5, rtol=1e-5)
 
@@ -171,8 +172,8 @@ def test_zones_that_are_not_ascending_or_longer_than_the_period_are_refused(zone
 
 @dataclass(frozen=True)
 class Displaced:
-    """The pressure of a problem whose last end is off by 1e-7 of its zone, under the profile of the
-    true one.
+    """The pressure of a design with a wrong last end, and the profile of the true design.
+    The end is wrong by 1e-7 of the width of its zone.
     """
 
     true: inverse.DesignedContact
@@ -189,7 +190,7 @@ class Displaced:
 
 
 @pytest.mark.parametrize("period", (None, 1.0))
-def test_an_end_off_by_1e_7_fails_the_same_law(period):
+def test_an_end_wrong_by_1e_7_fails_the_same_law(period):
     true = inverse.random_problem(np.random.default_rng(3), 4, period)
     ends = true.zones.copy()
     ends[-1, 1] += 1e-7 * true.zone_widths[-1]

@@ -1,5 +1,5 @@
-"""Designed JKR contacts are held to the singular integral, the load, the intensities and the
-potential, which the design does not compute.
+"""Designed JKR contacts are checked against laws that the design does not compute.
+The laws are the singular integral equation, the load, the intensities and the potential.
 """
 
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ TOL = 2e-11
 
 
 def nodes(problem):
+    """Number of quadrature nodes at which only round-off is left (test_inverse.py, nodes_for)."""
     return 200 + int(40 / np.sqrt(min(problem.nearness, 1.0)))
 
 
@@ -41,8 +42,8 @@ def test_every_end_carries_the_intensity_and_the_gap_that_release_the_work_of_ad
     )
     for end, room in zip(ends[1::2], gaps, strict=True):
         d = 1e-8 * min(room, np.min(problem.zone_widths))
-        x = end + d  # rounded: the distance is what is left
-        # The gap opens as (4/E*) K sqrt(d): G = (pi/E*) K^2 = w.
+        x = end + d  # x is rounded, so the distance is x - end below
+        # The gap opens as (4/E*) K sqrt(d), since the energy release rate is (pi/E*) K^2 = w.
         assert problem.gap(x) == pytest.approx(
             4.0 / problem.E_star * problem.intensity * np.sqrt(x - end), rel=1e-3
         )
@@ -50,7 +51,7 @@ def test_every_end_carries_the_intensity_and_the_gap_that_release_the_work_of_ad
 
 @given(adhesive_designs(periodic=True))
 def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
-    """Ties the approach, the gaps between all zones and the heights to the pressure alone."""
+    """The pressure alone determines the approach, the gaps between all zones and the heights."""
     ends = np.append(problem.zones.ravel(), problem.zones[0, 0] + problem.period)
     x = np.concatenate(
         [
@@ -65,6 +66,8 @@ def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
 
 @dataclass(frozen=True)
 class WithDatum:
+    """An isolated design with a datum, which the potential needs."""
+
     problem: inverse.AdhesiveDesign
     datum: float
     zones = property(lambda self: self.problem.zones)
@@ -77,7 +80,7 @@ class WithDatum:
 
 @given(adhesive_designs(periodic=False))
 def test_alone_all_zones_have_one_approach(problem):
-    """u + f - gap is the same constant at the middle of every gap, and beyond."""
+    """The approach u + f - gap is the same in the middles of all gaps and outside all zones."""
     ends = problem.zones.ravel()
     x = np.append(
         0.5 * (ends[1:-1:2] + ends[2::2]),
@@ -91,7 +94,7 @@ def test_alone_all_zones_have_one_approach(problem):
 
 @given(adhesive_designs())
 def test_the_gap_closes_from_either_side(problem):
-    """From either end the integral of the gap's slope agrees beside the middle, where the two meet."""
+    """The slope of the gap, integrated from either end, gives the same gap in the middle."""
     ends = problem.zones.ravel()
     for left, right in zip(ends[1:-1:2], ends[2::2], strict=True):
         step = 1e-9 * (right - left)
@@ -118,16 +121,17 @@ def test_one_zone_is_johnson_s_wave_or_the_cylinder():
 
 @given(adhesive_designs())
 def test_the_second_variation_is_symmetric_and_positive_where_the_design_is_stable(problem):
-    """Nothing in its making supposes the symmetry of second derivatives."""
+    """The formula of the matrix does not assume that second derivatives are symmetric."""
     matrix = inverse.second_variation(problem)
     assert np.max(np.abs(matrix - matrix.T)) < 1e-10 * np.max(np.abs(matrix))
     assert inverse.is_stable(problem)
 
 
 @pytest.mark.parametrize("share", (0.05, 0.25, 0.45))
-def test_ends_that_move_together_change_their_energy_as_the_load_tells(share):
-    """One zone: dG/da = 2 w (dP/da)/Q at a held load; and the same waves, counted as two in a
-    period of twice the length.
+def test_the_second_variation_of_ends_that_move_together_follows_from_the_load(share):
+    """For one zone of half width a, dG/da = 2 w (dP/da)/Q at a given load P.
+    G is the energy release rate, w the work of adhesion, and Q the load that adhesion takes
+    from P. Two waves in a period of twice the length have the same matrix.
     """
     state = exact.JKRZone(exact.Westergaard(0.02, 2.0, 3.0, share * 2.0), 1e-3)
     rate = exact.JKRWave(0.02, 2.0, 3.0, 1e-3)._rates(state.half_width)[0]
@@ -143,8 +147,9 @@ def test_ends_that_move_together_change_their_energy_as_the_load_tells(share):
 
 
 def released(design, ends, terms=60):
-    """G at the given ends of the design's profile under its load: Chebyshev series over 1/sqrt(1 -
-    t^2) in every zone, collocated, with one level of u + f in the middles of all zones.
+    """The energy release rates G at given ends, with the design's profile and load.
+    The pressure on each zone is a Chebyshev series over sqrt(1 - t^2). The equation is
+    collocated, and u + f is equal in the middles of all zones.
     """
     zones = ends.reshape(-1, 2)
     half, middle = 0.5 * np.diff(zones)[:, 0], zones.mean(axis=1)
@@ -180,7 +185,7 @@ def released(design, ends, terms=60):
 
 
 @pytest.mark.parametrize(("seed", "zones"), [(0, 1), (1, 2), (2, 3)])
-def test_the_second_variation_is_the_change_of_what_moved_ends_release_in_a_direct_solution(
+def test_the_second_variation_is_the_derivative_of_the_energy_release_rates_of_a_direct_solution(
     seed, zones
 ):
     problem = inverse.random_adhesive_problem(np.random.default_rng(seed), zones, None, spread=4.0)
@@ -203,7 +208,7 @@ def test_little_work_of_adhesion_leaves_the_frictionless_design():
     for work in (1e-12, 1e-16):
         sticky = inverse.AdhesiveDesign(free.zones, free.E_star, free.load, work, 1.0)
         sizes.append(np.max(np.abs(sticky.pressure_at(t, 2) - free.pressure_at(t, 2))))
-    assert sizes[0] / sizes[1] == pytest.approx(100.0, rel=1e-3)  # as the root of the work
+    assert sizes[0] / sizes[1] == pytest.approx(100.0, rel=1e-3)  # as the square root of the work
 
 
 def test_a_design_for_another_work_of_adhesion_fails_the_law_of_the_ends():
@@ -219,6 +224,8 @@ def test_a_design_for_another_work_of_adhesion_fails_the_law_of_the_ends():
 
 @dataclass(frozen=True)
 class Perturbed:
+    """A design whose pressure is multiplied by 1 + 1e-8 t^2."""
+
     true: inverse.AdhesiveDesign
     zones = property(lambda self: self.true.zones)
     period = property(lambda self: self.true.period)
@@ -246,7 +253,7 @@ def test_zones_work_and_period_are_refused_by_name():
         inverse.AdhesiveDesign([[0.0, 1.0]], 1.0, 1.0, 1.0, period=1.0)
 
 
-def test_one_design_serves_every_law_and_refuses_what_has_none():
+def test_design_returns_the_design_of_each_law_and_refuses_wrong_arguments():
     zones, cohesive = [[-1.0, 1.0]], [[-1.2, 1.2]]
     assert isinstance(inverse.design(zones, 1.0, 0.1), inverse.DesignedContact)
     sticky = inverse.design(zones, 1.0, -0.1, law=JKR(1e-3))
