@@ -1,4 +1,4 @@
-"""Paths under adhesion: jumps where the closed forms have them, and all energy accounted for."""
+"""Loading paths with adhesion: jumps at the places of the closed forms, and the energy balance."""
 
 from __future__ import annotations
 
@@ -57,8 +57,10 @@ def value(state, held, stiffness):
 
 
 def half_widths(body, held):
-    """Of the closed forms: where the control has its minimum, after the jump from first touch, and
-    at the greatest value.
+    """Three half widths of the closed form.
+
+    They belong to the minimum of the control, to the state after the jump from first touch, and
+    to the largest value of the control in the loop.
     """
     reference, stiffness = REFERENCES[body], STIFF[body]
 
@@ -82,7 +84,7 @@ def half_widths(body, held):
 
 
 def work(reference, first, last):
-    """int P d(approach) over half widths, by Gauss's rule on P(a) and approach(a) alone."""
+    """int P d(approach) between two half widths: Gauss's rule for the integral by parts."""
     t, weights = np.polynomial.legendre.leggauss(40)
     a = 0.5 * (first + last) + 0.5 * (last - first) * t
     states, (start, end) = [reference.at(x) for x in a], (reference.at(first), reference.at(last))
@@ -107,8 +109,9 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(body, held):
     )
     assert jump_in.after[0, 1] == pytest.approx(touched, rel=1e-9)
     assert pull_off.before[0, 1] == pytest.approx(least, rel=1e-6)
-    # The load's work over the loop: on the curve, on the jumps' straight lines, and of a dead load
-    # until no approach holds any more.
+    # Work of the load over the loop: along the curve of equilibria, and along the straight
+    # lines of the jumps. A load that is held does further work at pull-off, down to the
+    # smallest approach at which a contact exists.
     on, off = reference.at(touched), reference.at(least)
     done = work(reference, touched, top) + work(reference, top, least) + 0.5 * on.load * on.approach
     if held == "spring":
@@ -121,7 +124,7 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(body, held):
 
 
 @pytest.mark.parametrize("held", ["load", "approach", "spring"])
-def test_every_point_of_a_loop_has_its_error_its_certificate_and_its_way(held):
+def test_every_point_of_a_loop_has_its_error_its_certificate_and_its_branch(held):
     found = loop("wave", held)
     below, top, again = found.solutions
     assert (
@@ -204,10 +207,10 @@ def test_a_jump_into_full_contact_is_johnsons_and_full_contact_does_not_open_aga
     assert found.work == pytest.approx(
         found.solutions[-1].energy.total - found.solutions[0].energy.total + event.lost, rel=1e-12
     )
-    # A flaw of half width c has K = tension sqrt(c/2).
+    # An open interval of half width c under the tension s has the intensity K = s sqrt(c/2).
     flaw = 2 * E * 3e-5 / np.pi / found.solutions[-1].certificate.smallest_pressure ** 2
     assert f"half width {flaw * 1e6:.3g} µm would open" in found.solutions[-1].certificate.note
-    # Under a spring the load is what the spring makes of the approach of full contact.
+    # The far end of the spring is at 0.05, and the approach of full contact is DELTA.
     sprung = contact.path(scene, [0.0, 0.05], stiffness=1.0)
     assert sprung.events[-1].kind == "full" and sprung.solutions[-1].load == pytest.approx(
         0.05 - DELTA, rel=1e-12
@@ -215,7 +218,7 @@ def test_a_jump_into_full_contact_is_johnsons_and_full_contact_does_not_open_aga
 
 
 LAYER = contact.Layer(1e-4, 0.3)
-# Beyond the mean of the profile, 1 um, the layer is pressed together evenly.
+# At approaches above 1 um, the mean of the profile, the layer is compressed uniformly.
 MODULUS = 1e9 * 1e-4 / (2 * LAYER.compression)
 LAWS = [contact.JKR(1e-3), contact.Dugdale(1e-2, 1e6)]
 
@@ -232,7 +235,7 @@ def on_a_base(law):
 
 
 @pytest.mark.parametrize("law", LAWS, ids=["JKR", "Dugdale"])
-def test_on_a_base_the_approach_of_surfaces_that_adhesion_has_closed_tells_their_load(law):
+def test_on_a_layer_in_full_contact_the_approach_determines_the_load(law):
     scene, loads = on_a_base(law), [MODULUS * (approach - 1e-6) for approach in (6e-6, 5e-6)]
     for branch in ("advancing", "receding"):
         solved = contact.solve(scene, branch=branch)
@@ -292,7 +295,7 @@ def rough_loop():
         return contact.path(rough(), [-100.0, 13.0, 40.0, 13.0, -100.0])
 
 
-def test_a_rough_body_hangs_on_more_than_it_was_pressed_on_and_every_jump_loses_energy():
+def test_a_rough_contact_is_wider_on_the_way_down_and_every_jump_loses_energy():
     found = rough_loop()
     kinds = [event.kind for event in found.events]
     assert kinds[0] == "jump-in" and kinds[-1] == "pull-off" and len(kinds) > 4
@@ -335,7 +338,7 @@ def test_between_jumps_the_work_of_the_load_is_the_change_of_energy(start):
     assert two.energy.total - one.energy.total == pytest.approx(done, rel=1e-8)
 
 
-def test_without_a_datum_jumps_are_where_they_are_and_nothing_is_said_of_their_energy():
+def test_without_a_datum_jumps_are_found_but_no_energy_is_stated():
     pair = contact.Scene(
         contact.Biquadratic(1.0, 0.2), 1.0, contact.Isolated(), law=contact.JKR(1e-6), load=0.0
     )
@@ -346,7 +349,7 @@ def test_without_a_datum_jumps_are_where_they_are_and_nothing_is_said_of_their_e
     assert found.events[0].lost is None
 
 
-def test_what_a_path_cannot_follow_is_refused_by_name():
+def test_arguments_that_a_path_cannot_follow_are_refused_by_name():
     wave = SCENES["wave"]
     bare = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), load=1.0)
     wrong = (
@@ -415,7 +418,7 @@ def test_an_approach_of_zero_has_no_sign():
     assert str(contact.solve(scene).approach) == "0.0"
 
 
-def test_what_was_followed_lies_on_the_curve_of_equilibria():
+def test_the_followed_states_lie_on_the_curve_of_equilibria():
     load, approach, width, _ = loop("wave", "spring").followed.T
     on = np.flatnonzero(width > 0.0)
     assert len(on) > 7
@@ -459,7 +462,7 @@ def test_a_pull_off_whose_end_breaks_a_symmetry_is_located_and_its_loss_left_ope
 
 
 @pytest.mark.slow
-def test_of_two_equal_tips_under_a_held_approach_one_comes_off_where_stability_is_lost():
+def test_one_of_two_equal_tips_at_a_held_approach_comes_off_where_stability_is_lost():
     twice = contact.Scene(
         contact.Fourier(1.0, [0.0, -0.01], [0.0, 0.0]),
         1.0,
@@ -505,8 +508,10 @@ def test_two_equal_tips_on_a_soft_spring_come_off_together_since_one_alone_would
         kinds.append([(event.kind, len(event.before), len(event.after)) for event in found.events])
         far[stiffness] = found.events[0].value, found.events[-1]
     assert kinds == [[("pull-off", 2, 0)], [("death", 2, 1), ("pull-off", 1, 0)]]
-    # One tip alone comes off near the approach and the load of the stiffer spring, too: on the
-    # softer one that is a higher far end.
+    # The last tip comes off the stiffer spring at an approach and a load near which one tip alone
+    # would also come off the softer spring. The far end of a spring is at approach +
+    # load/stiffness. For the softer spring it is above the far end at which both tips come off.
+    # For the stiffer spring it is below the far end at which the first tip comes off.
     one = far[3.0][1]
     assert (
         one.approach + one.load / 1.0 > far[1.0][0] and one.approach + one.load / 3.0 < far[3.0][0]
@@ -514,8 +519,9 @@ def test_two_equal_tips_on_a_soft_spring_come_off_together_since_one_alone_would
 
 
 def test_a_tip_that_others_relieve_as_they_touch_begins_later():
-    # Four tips of nearly one height: the first hold the surfaces so near that all touch, and two of
-    # them press hardest.
+    # Four tips have nearly equal heights. The first tips in contact pull the surfaces so close
+    # that all four tips would touch. But the others relieve one of these tips, so that it
+    # touches only later.
     body = drawn(np.random.default_rng(4), "turned", 300)
     scene = contact.Scene(
         body, 2.3e11, contact.Periodic(), law=contact.JKR(0.08145729947206055), mean_pressure=1.0
@@ -532,9 +538,9 @@ def test_a_tip_that_others_relieve_as_they_touch_begins_later():
 
 
 @pytest.mark.slow
-def test_an_end_that_has_passed_its_rest_is_not_put_back_for_ever():
-    # Steps with noise: an end between them stepped over its place of rest to where it would run on,
-    # and back, three thousand times.
+def test_an_end_past_its_equilibrium_is_not_put_back_for_ever():
+    # A trace of steps with noise. An end between two steps moved past its equilibrium, to a
+    # place from which it would run on, and was put back, three thousand times.
     rng = np.random.default_rng(21)
     body = drawn(rng, "steps", 200)
     scene = contact.Scene(

@@ -1,5 +1,7 @@
-"""A round spot alone and in the first step of the localization: closed forms, the paper's kernel,
-balance, scaling.
+"""Round spots, isolated and in the first step of the localization.
+
+They are compared with closed forms and with the kernel of the paper; load balance and scaling
+are checked.
 """
 
 from __future__ import annotations
@@ -38,7 +40,7 @@ RADII = np.array([0.01, 0.2, 0.45, 0.69])
 
 @dataclass(frozen=True)
 class SlopeOnly(AxisymmetricProfile):
-    """A shape known by its slope alone: every transform is the base's quadrature."""
+    """A shape known only by its slope: the base class computes all transforms by quadrature."""
 
     known: AxisymmetricProfile
 
@@ -47,7 +49,7 @@ class SlopeOnly(AxisymmetricProfile):
 
 
 SHAPES = [Sphere(R), Cone(0.2), PowerLaw(1.5, 0.3), PowerLaw(4.0, 0.3)]
-TEN_ROUNDINGS = 1e-12  # of a derivative taken from a Chebyshev series of degree 24: 24^2 eps
+TEN_ROUNDINGS = 1e-12  # ten times 24^2 eps: round-off in the derivative of a series of degree 24
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: type(s).__name__)
@@ -91,8 +93,8 @@ def test_a_paraboloid_alone_is_hertz():
     assert spot.max_pressure == pytest.approx(1.5 * load / (pi * a**2), rel=1e-13)
     r = np.array([1.001, 1.5, 3.0, 20.0]) * a
     u = ((2 * a**2 - r**2) * np.arcsin(a / r) + a * np.sqrt(r**2 - a**2)) / (pi * R)
+    # At r = 20 a, the displacement is a small difference of the gap and the height.
     assert spot.displacement(r) == pytest.approx(u, rel=1e-10)
-    # At r = 20 a it is the difference of a height 200 times larger.
     assert spot.gap(r) == pytest.approx(u + r**2 / (2 * R) - a**2 / R, rel=1e-11, abs=1e-15)
     assert spot.nominal_pressure is None and spot.contact_fraction is None
     assert spot.error <= 1e-13
@@ -111,7 +113,7 @@ def test_a_quartic_alone_has_its_closed_pressure():
     r = np.append(0.0, RADII)
     exact = 32 * 0.3 * E / (9 * pi) * np.sqrt(A**2 - r**2) * (A**2 + 2 * r**2)
     assert spot.pressure(r) == pytest.approx(exact, rel=1e-12)
-    at = A / sqrt(2.0)  # not in the middle
+    at = A / sqrt(2.0)  # the place of the largest pressure
     assert spot.max_pressure == pytest.approx(float(spot.pressure(at)), rel=1e-12)
 
 
@@ -148,7 +150,7 @@ def test_a_flattened_paraboloid_alone_carries_the_known_load():
     ],
     ids=["height", "slope", "both"],
 )
-def test_a_callable_is_as_good_as_the_shape_it_spells(shape):
+def test_a_callable_gives_the_same_spot_as_the_shape_it_stands_for(shape):
     lattice = Hexagonal(1.0)
     mine, known = (solve_spot(s, E, lattice, load=0.03, rings=1) for s in (shape, Sphere(R)))
     assert mine.radius == pytest.approx(known.radius, rel=1e-12)
@@ -171,8 +173,8 @@ def test_a_height_whose_tip_is_all_rounding_is_differentiated_exactly():
         [1e-6, 1e-3, 0.1],
     ),
 )
-def test_by_its_load_a_spot_whose_tip_is_all_rounding_is_the_same(height, radius):
-    # Looked for from small radii on, where heights tell nothing.
+def test_a_spot_whose_tip_is_all_rounding_is_the_same_under_its_load(height, radius):
+    # The search by load begins at small radii, where the heights consist of round-off.
     spot = solve_spot(height, E, spot_radius=radius)
     found = solve_spot(height, E, load=spot.load)
     assert found.radius == pytest.approx(radius, rel=1e-12)
@@ -183,7 +185,7 @@ def test_by_its_load_a_spot_whose_tip_is_all_rounding_is_the_same(height, radius
 @pytest.mark.parametrize(
     ("shape", "radius"), diagonal(["catenary", "hyperboloid", "raised"], [1e-4, 0.01, 0.5])
 )
-def test_what_rounding_of_heights_leaves_of_the_pressure_is_stated(shape, radius):
+def test_the_stated_error_covers_the_rounding_of_heights(shape, radius):
     hyperboloid, raised = (lambda r: np.sqrt(1 + r * r) - 1), (lambda r: 3.0 + r * r / (1 + r))
     height = {"catenary": lambda r: np.cosh(r) - 1, "hyperboloid": hyperboloid, "raised": raised}[
         shape
@@ -223,7 +225,8 @@ def test_the_spots_of_figure_2_have_their_radii(spacing, ratio):
     lattice = Hexagonal(spacing * R)
     spot = solve_spot(Sphere(R), E, lattice, load=load)
     assert spot.radius / spot.circle == pytest.approx(ratio, abs=0.0005)
-    # A as printed, 1/(pi N), is no length; in the paper's units (R = 1) it would give other ratios.
+    # The printed A = 1/(pi N) is not a length. In the paper's units (R = 1) it gives other
+    # ratios.
     assert abs(spot.radius * pi * lattice.density * R - ratio) > 0.05
 
 
@@ -286,14 +289,15 @@ def test_lengths_and_modulus_scale(rings, shape):
 def test_sparse_spots_are_alone():
     alone = solve_spot(Sphere(R), E, load=1e-3)
     sparse = solve_spot(Sphere(R), E, Density(1e-6), load=1e-3)
-    # The correction is of the order of (a/A)^3.
+    # The neighbours change the radius by a part of the order (a/A)^3.
     assert sparse.radius == pytest.approx(alone.radius, rel=(alone.radius / sparse.circle) ** 3)
 
 
 def test_load_without_end_brings_the_spot_to_its_circle_and_no_further():
     lattice = Hexagonal(1.0)
     spot = solve_spot(Sphere(R), E, lattice, load=50.0)
-    # With a = A (1 - eps), 1 - F is (4/pi) sqrt(2 eps).
+    # The neighbours carry the share F of the load. With a = A (1 - eps), 1 - F is
+    # (4/pi) sqrt(2 eps).
     eps = 0.5 * (pi / 4 * Sphere(R).load_integral(spot.circle) * E / 50.0) ** 2
     assert 1 - spot.radius / spot.circle == pytest.approx(eps, rel=0.01)
     with pytest.raises(OutOfRange):
@@ -305,12 +309,12 @@ def test_load_without_end_brings_the_spot_to_its_circle_and_no_further():
 
 
 def own_displacement(spot: Spot, r: float) -> float:
-    """(4/pi E*) int p s K/(r + s) ds: the displacement of an axisymmetric pressure, by quadrature."""
+    """Displacement (4/pi E*) int p s K/(r + s) ds of an axisymmetric pressure, by quadrature."""
     s, w = panels([0.0, r, spot.radius])
     p = spot.pressure(np.minimum(s, spot.radius))
     apart = np.maximum(
         ((r - s) / (r + s)) ** 2, 1e-33
-    )  # the logarithm is cut where the weights are below rounding
+    )  # without this bound the logarithm in K is infinite at s = r, where the weights are tiny
     return float(4 / (pi * spot.E_star) * np.sum(w * p * s / (r + s) * ellipkm1(apart)))
 
 
@@ -341,7 +345,7 @@ def test_the_pressure_makes_the_displacement_of_the_contact():
         ({"load": 1.0, "tol": 0.0}, "tol"),
     ],
 )
-def test_what_is_wrong_is_refused_by_name(change, word):
+def test_wrong_arguments_are_refused_by_name(change, word):
     given = {"profile": Sphere(R), "E_star": E, "lattice": Hexagonal(1.0)} | change
     with pytest.raises(SceneError, match=word):
         solve_spot(given.pop("profile"), given.pop("E_star"), given.pop("lattice"), **given)
@@ -363,7 +367,7 @@ def test_what_is_wrong_is_refused_by_name(change, word):
         lambda: Density(-1.0),
     ],
 )
-def test_shapes_and_lattices_that_are_none_are_refused(make):
+def test_invalid_shapes_and_lattices_are_refused(make):
     with pytest.raises(SceneError):
         make()
 
@@ -383,7 +387,7 @@ def test_a_shape_that_would_touch_again_is_out_of_range():
     assert solve_spot(hollow, 1.0, spot_radius=0.4).load > 0
 
 
-def test_a_derivative_that_is_none_is_noticed():
+def test_a_false_second_derivative_is_noticed():
     lying = Revolved(slope_of=lambda r: r, second=lambda r: 2.0 + 0 * r)
     with pytest.raises(NotConverged, match="balance"):
         solve_spot(lying, 1.0, load=0.01)

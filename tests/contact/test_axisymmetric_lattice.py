@@ -1,5 +1,7 @@
-"""Neighbours kept in their places: lattice sums, the contact condition summed directly, the rate, a
-public 3D code.
+"""Spots with neighbours treated at their places.
+
+Checked are lattice sums, the contact condition by direct summation, the rate of convergence,
+and the agreement with a public 3D code.
 """
 
 from __future__ import annotations
@@ -21,8 +23,10 @@ LATTICES = [Hexagonal(1.0), Square(1.0)]
 
 @pytest.mark.parametrize("s", [1, 3, 5, 11, 31])
 def test_lattice_sums_are_products_of_zeta_functions(s):
-    """Glasser & Zucker: 6 zeta(s/2) L_-3(s/2), 4 zeta(s/2) beta(s/2); the centres of squares by a
-    square lattice less one of twice the cell.
+    """Glasser & Zucker: 6 zeta(s/2) L_-3(s/2) (hexagonal) and 4 zeta(s/2) beta(s/2) (square).
+
+    A square lattice and the centres of its squares form a square lattice of half the cell area.
+    So the sum over the centres is a difference of two sums over square lattices.
     """
     h = mpmath.mpf(s) / 2
     three = (mpmath.zeta(h, mpmath.mpf(1) / 3) - mpmath.zeta(h, mpmath.mpf(2) / 3)) / 3**h
@@ -61,8 +65,10 @@ def test_rings_hold_the_spots_of_the_lattice():
 
 
 def ring_displacement(spot, lattice, rings, r):
-    """u at the radius r, mean over the angle, from the pressures themselves: its own, the kept
-    rings', the rest's.
+    """Mean displacement at the radius r, summed directly over the pressures.
+
+    It is the sum over the spot itself, the rings of neighbours at their places, and the nominal
+    pressure of the other neighbours.
     """
     a, E = spot.radius, spot.E_star
     s, w = panels([0.0, r, a])
@@ -72,11 +78,13 @@ def ring_displacement(spot, lattice, rings, r):
     s, w = panels([0.0, a])
     theta = 2 * pi * np.arange(200) / 200
     for distance, count in zip(radii, counts, strict=True):
-        # A point force at the distance D lifts the ring by (2/(pi^2 E* D)) K(r/D) in the mean.
+        # A unit force at the distance D displaces the ring by (2/(pi^2 E* D)) K(r/D) on
+        # average.
         D = np.sqrt(distance**2 + s[:, None] ** 2 + 2 * distance * s[:, None] * np.cos(theta))
         mean = np.mean(2 / (pi**2 * E * D) * ellipk((r / D) ** 2), axis=1)
         u += count * 2 * pi * np.sum(w * s * spot.pressure(np.minimum(s, a)) * mean)
-    # Even pressure moves the mean plane alone; the circle of the spots kept is without it.
+    # The nominal pressure acts outside the circle. The same pressure on the whole surface would
+    # move only the mean plane, so its displacement inside the circle is subtracted.
     circle = sqrt((1 + np.sum(counts)) / (pi * lattice.density))
     return u - 4 * spot.load * lattice.density * circle / (pi * E) * ellipe((r / circle) ** 2)
 
@@ -109,16 +117,19 @@ def test_load_and_pressure_balance_and_the_gap_opens(lattice, rings):
     out = spot.radius + np.array([1e-9, 1e-4, 1e-2, 0.05])
     gap = spot.gap(out)
     assert np.all(np.diff(gap) > 0)
-    # It opens as the power 3/2 of the distance.
+    # The gap grows as the power 3/2 of the distance from the edge.
     assert gap[1] / gap[0] == pytest.approx(1e5**1.5, rel=1e-2)
     assert spot.pressure(out).tolist() == [0, 0, 0, 0] and spot.gap(0.5 * spot.radius) == 0
     assert spot.displacement(0.0) == pytest.approx(spot.approach)
 
 
 def test_the_error_falls_with_the_cube_of_the_circle():
-    """The nominal pressure begins sharply at A, spots of finite size do not: (3/2) (N/A^3) x^2 int
-    w t^2 dt is left out, A^-3; the spots are few or many for their circle by chance: A^-7/2. As in
-    the plane, (2m + 1)^-3.
+    """The error falls as A^-3 with the radius A of the circle of the spots at their places.
+
+    The nominal pressure begins sharply at A, while spots have a finite size. This leaves out
+    (3/2) (N/A^3) x^2 int w t^2 dt, of the order A^-3. The circle also holds too few or too many
+    spots by chance, which gives an error of the order A^-7/2. In plane contact the error likewise
+    falls as (2m + 1)^-3.
     """
     for lattice in LATTICES:
         _, counts = lattice.neighbours(1000)
@@ -136,7 +147,7 @@ def test_the_error_falls_with_the_cube_of_the_circle():
         rate = np.polyfit(np.log(circles), np.log(np.abs(errors)), 1)[0]
         assert -3.4 < rate < -2.6
         assert np.all(np.abs(errors * circles**3) < 0.06)
-        # Far out the systematic part is what remains, of one sign.
+        # For large circles the systematic error dominates. It has one sign.
         assert np.all(errors[circles > 40] < 0)
 
 
@@ -160,16 +171,16 @@ def test_all_rings_of_a_lattice_are_those_of_a_lattice_cut_far_away():
     assert far.max_pressure == pytest.approx(all_of_them.max_pressure, rel=1e-6)
 
 
-def test_spots_about_to_meet_are_not_claimed():
+def test_spots_about_to_meet_are_refused():
     with pytest.raises(NotConverged):
         solve_spot(Sphere(1.0), 1.0, Square(1.0), spot_radius=0.4999999, rings=1)
 
 
 def half_space(lattice, load, n=64):
-    """Approach, largest pressure of the paraboloids R = 1, E* = 1 on the periodic half-space, by
-    FFT on a grid.
+    """Approach and largest pressure of paraboloids on the periodic half-space, by FFT on a grid.
 
-    Polonsky & Keer's method with the grid's own Fourier modes; n points along the spacing.
+    R = 1 and E* = 1. Polonsky & Keer's method with the grid's own Fourier modes; n points along
+    the spacing.
     """
     tamaas = pytest.importorskip(
         "tamaas", reason="the public half-space code tamaas is not installed"
@@ -200,9 +211,10 @@ def half_space(lattice, load, n=64):
     return float(np.mean((u + f)[p > 0]) - np.mean(u)), float(p[0, 0])
 
 
-# a/l at all rings; bounds of the relative error of largest pressure and approach, at 0 rings and at
-# all of them. The grid is good to some 1e-4. What all rings leave is what varies with the angle:
-# cos 6 phi or cos 4 phi.
+# `share` is a/l. `first` bounds the relative errors of the largest pressure (low, high) and of
+# the approach (low, high) for rings = 0. `last` bounds both errors for rings = inf. The grid is
+# accurate to about 1e-4. With all rings, the error is the part of the pressure that varies with
+# the angle as cos 6 phi or cos 4 phi.
 @pytest.mark.parametrize(
     ("lattice", "share", "first", "last"),
     [

@@ -1,5 +1,6 @@
-"""Asperities of several heights: equal ones are one lattice, each touches at its pressure, all
-share the load.
+"""Asperities of several heights: when each level touches, and how the levels share the load.
+
+Levels of equal height must give the same contact as one lattice.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ CORNERS = [(0.0, 0.0)]
 
 
 def chequered(depth, shape=None):
-    """Two levels of spheres, the lower ones in the centres of the squares of the higher ones."""
+    """Two levels; the tips of the lower one are at the centres of the squares of the higher one."""
     return [
         Level(Sphere(1.0), 0.0, sites=CORNERS),
         Level(shape or Sphere(1.0), depth, sites=CENTRES),
@@ -45,7 +46,7 @@ def test_two_levels_of_one_height_are_one_lattice():
     inside, outside = (
         np.linspace(0, 0.9, 7),
         np.array([1.0, 1.1, 1.2]),
-    )  # at an edge pressure is the root of a rounding
+    )  # the edge is left out: the pressure there is the square root of a round-off
     assert two.spots[1].pressure(inside * one.radius) == pytest.approx(
         one.pressure(inside * one.radius), rel=1e-11
     )
@@ -86,8 +87,9 @@ def test_below_its_pressure_a_level_is_not_there_and_just_above_it_carries_littl
 @pytest.mark.parametrize("rings", [0, 1, inf])
 @pytest.mark.parametrize("over", [1e-5, 1e-3])
 def test_a_level_just_born_is_as_good_as_the_digits_of_its_depth(over, rings):
-    """Its penetration is the approach less its depth: their last digits are all that is lost, in
-    its load too.
+    """The accuracy of a new level is limited only by the round-off of its penetration.
+
+    The penetration is the approach less the depth of the level.
     """
     lattice, levels = Square(0.25), chequered(0.002)
     second = touch_pressures(levels, 1.0, lattice, rings=rings)[1]
@@ -105,8 +107,10 @@ def test_a_level_just_born_is_as_good_as_the_digits_of_its_depth(over, rings):
 
 
 def test_the_lower_tip_touches_where_the_surface_in_the_middle_meets_it():
-    """The mean plane and the lattice sum over centres: u = (P/(pi E* l)) [Z(1) + (P's second
-    moment) Z(3)/2 + ...].
+    """The lower tips touch when the displacement at the centres of the squares is approach - depth.
+
+    By lattice sums Z over the spots around a centre, this displacement from the mean plane is
+    u = (P/(pi E* l)) [Z(1) + (P's second moment) Z(3)/2 + ...].
     """
     from_sum = (
         4 * -1.4603545088 * 0.6676914571896 * (sqrt(2) - 1)
@@ -116,7 +120,7 @@ def test_the_lower_tip_touches_where_the_surface_in_the_middle_meets_it():
     second = touch_pressures(levels, 1.0, lattice, rings=inf)[1]
     alone = solve_spot(Sphere(1.0), 1.0, lattice, nominal_pressure=second, rings=inf)
     tip = from_sum * alone.load / np.pi
-    # What the point force leaves out is of the order (a/l)^2.
+    # A point force in place of the pressure gives a relative error of the order (a/l)^2.
     assert alone.approach - depth == pytest.approx(tip, rel=3 * alone.radius**2)
 
 
@@ -144,7 +148,7 @@ def test_all_levels_share_the_pressure_and_the_approach(rings):
     if rings:
         assert back.nominal_pressure == pytest.approx(0.05, rel=1e-9)
         assert back.radii == pytest.approx(solution.radii, rel=1e-9)
-    else:  # without neighbours the approach has a maximum, here at 0.035: the state before it is found
+    else:  # for rings = 0 the approach is largest at the pressure 0.035; the state below is found
         assert back.approach == pytest.approx(solution.approach, rel=1e-12)
         assert back.nominal_pressure < 0.03
 
@@ -154,7 +158,8 @@ def test_densities_alone_will_do_for_the_first_step():
     solution = solve_levels(levels, 1.0, nominal_pressure=0.01)
     assert solution.touching == (True, True)
     assert solution.loads @ [10, 20] == pytest.approx(0.01, rel=1e-12)
-    # The tip of the second level sees the first one's pressure outside a share of all asperities.
+    # At a tip of the second level, the pressure of the first level acts outside a circle. The
+    # area of the circle is the area per asperity of both levels.
     pressure, approach = solution.touch_pressures[1], solution.touch_approaches[1]
     alone = solve_spot(Sphere(1.0), 1.0, Density(10.0), nominal_pressure=pressure)
     assert alone.approach == pytest.approx(approach, rel=1e-12)
@@ -231,7 +236,8 @@ def test_a_public_half_space_code_agrees_on_two_levels():
     p = np.array(model.traction).reshape(n, n)
     share = np.sum(p[height(0.0) < height(l / 2)]) / np.sum(p)
     ours = solve_levels(chequered(0.002), 1.0, Square(l), nominal_pressure=0.02, rings=inf)
-    # The grid is good to 1e-3 here; what varies with the angle is left out.
+    # The grid is accurate to 1e-3 here. The model leaves out the part that varies with the
+    # angle.
     assert ours.shares[0] == pytest.approx(share, rel=1e-3)
     assert [s.max_pressure for s in ours.spots] == pytest.approx(
         [p[0, 0], p[n // 2, n // 2]], rel=1e-3

@@ -41,7 +41,7 @@ def in_short(value):
 
 
 def refused(call, *words):
-    """Raised as a SceneError with all the words in it, and without a warning on the way."""
+    """Check that a call raises SceneError with all words, without a warning; return the message."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with pytest.raises(contact.SceneError) as caught:
@@ -96,13 +96,13 @@ class TestNumbers:
         refused(lambda: contact.solve(scene(), tol=value), "tol")
 
     @pytest.mark.parametrize("value", [-1, 0.5, "2", True, None, NAN], ids=repr)
-    def test_neighbours_are_counted(self, value):
+    def test_the_number_of_neighbours_is_a_non_negative_integer(self, value):
         refused(lambda: contact.Localized("self-consistent", neighbours=value), "neighbours")
 
 
 class TestArrays:
     @pytest.mark.parametrize("bad", [NAN, INF, -INF])
-    def test_one_value_that_is_no_number_spoils_an_array(self, bad):
+    def test_an_array_with_one_value_that_is_no_finite_number_is_refused(self, bad):
         values = np.array([1.0, bad, 3.0, 4.0, 5.0])
         refused(lambda: contact.Polynomial(values), "coefficients")
         refused(lambda: contact.Fourier(1.0, values), "cosine")
@@ -113,7 +113,7 @@ class TestArrays:
     @pytest.mark.parametrize(
         "bad", ["12345", [], [[1.0, 2.0], [3.0, 4.0]], None, ["a"] * 5, [1j] * 5, {}, 3.0], ids=repr
     )
-    def test_what_is_no_list_of_numbers_is_refused(self, bad):
+    def test_anything_but_a_list_of_numbers_is_refused(self, bad):
         refused(lambda: contact.Polynomial(bad), "coefficients")
         refused(lambda: contact.Fourier(1.0, bad))
         refused(lambda: contact.Sampled(bad, np.arange(5.0)), "x")
@@ -151,11 +151,11 @@ class TestNames:
         "name, near",
         [("periodical", "periodic"), ("isolate", "isolated"), ("localised", "localized")],
     )
-    def test_an_unknown_interaction_too(self, name, near):
+    def test_an_unknown_interaction_is_refused_with_the_nearest_one(self, name, near):
         refused(lambda: contact.interaction(name), near)
 
     @pytest.mark.parametrize("name", [None, 3, "", "no such shape at all", ["wedge"]], ids=repr)
-    def test_what_is_no_name_is_refused(self, name):
+    def test_a_value_that_is_no_known_name_is_refused(self, name):
         refused(lambda: contact.profile(name))
         refused(lambda: contact.interaction(name))
 
@@ -175,7 +175,7 @@ class TestNames:
                     lambda name=name: cls(**{name + "s": 1.0}), f"'{name}s' is not known"
                 )
                 assert f"did you mean '{name}'?" in said
-        with pytest.raises(TypeError):  # as Python's own
+        with pytest.raises(TypeError):  # like Python's own error for an unknown argument
             cls(nonsense=1.0)
 
 
@@ -203,7 +203,7 @@ class TestScenes:
     def test_a_model_that_repeats_needs_a_period(self, model):
         refused(lambda: scene(HERTZ, model), "interaction", "period")
 
-    def test_controls_that_mean_nothing_are_refused(self):
+    def test_controls_without_meaning_for_a_scene_are_refused(self):
         refused(lambda: scene(HERTZ, ISOLATED, mean_pressure=1.0), "mean_pressure")
         refused(lambda: scene(HERTZ, ISOLATED, contact_fraction=0.1), "contact_fraction")
         refused(lambda: scene(HERTZ, ISOLATED, approach=1e-6), "approach", "datum")
@@ -215,7 +215,7 @@ class TestScenes:
         refused(lambda: scene(contact.Fourier(1e-4, [1e-6], [1e-7]), half_width=1e-5), "half_width")
         refused(lambda: scene(contact.Flat(1e-3), ISOLATED, half_width=1e-3), "half_width")
 
-    def test_the_zone_of_a_flat_punch_tells_no_load(self):
+    def test_the_zone_of_a_flat_punch_does_not_determine_the_load(self):
         punch = contact.Flat(0.5, period=1.0)
         refused(lambda: scene(punch, contact_fraction=0.5), "contact_fraction")
         refused(lambda: scene(punch, contact_fraction=0.3), "contact_fraction")
@@ -228,7 +228,7 @@ class TestScenes:
 
 
 class TestOutOfRange:
-    """Scenes in order that no contact answers."""
+    """Valid scenes for which no contact exists."""
 
     def out_of_range(self, *words, **given):
         with pytest.raises(contact.OutOfRange) as caught:
@@ -258,7 +258,7 @@ class TestOutOfRange:
         self.out_of_range("mean of the profile", profile=profile, approach=approach)
 
     def test_an_approach_past_its_maximum_over_the_datum(self):
-        # Hertz: a^2/2R (ln(2d/a) + 1/2) is greatest at a = 2d.
+        # Hertz: the approach a^2/2R (ln(2d/a) + 1/2) is largest at a = 2d, with the datum d.
         top = (2 * 1e-4) ** 2 / 2e-2 * 0.5
         isolated = contact.Isolated(datum=1e-4)
         solution = contact.solve(scene(HERTZ, isolated, approach=0.999 * top))
@@ -273,7 +273,7 @@ class TestOutOfRange:
             contact.solve(contact.Scene(contact.Polynomial(coefficients), 1.0, ISOLATED, load=1e3))
         assert isinstance(caught.value, contact.OutOfRange)
 
-    def test_a_zone_at_the_border_of_what_is_known(self):
+    def test_a_zone_at_the_border_of_the_known_profile(self):
         x = np.linspace(0, 1, 21)
         tilted = contact.Sampled(x, x + 0.1 * np.cos(9 * x))
         self.out_of_range("border", profile=tilted, interaction=ISOLATED, E_star=1.0, load=0.1)
@@ -291,8 +291,8 @@ class TestOutOfRange:
         assert issubclass(contact.SceneError, ValueError)
 
     def test_a_tolerance_that_rounding_forbids_is_not_met_in_silence(self):
-        # A zone of a millionth of the period far from the origin: its ends are known to 1e-10 of
-        # their width.
+        # The zone is a millionth of the period wide and far from the origin. Round-off of the
+        # positions leaves its ends uncertain by 1e-10 of its width.
         wave = contact.Fourier(1.0, [-0.01, 0.004], [0.003, 0.001])
         with pytest.raises(contact.NotConverged, match="tolerance") as caught:
             contact.solve(contact.Scene(wave, 1.0, PERIODIC, load=1e-12), tol=1e-12)
