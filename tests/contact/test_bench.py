@@ -1,6 +1,4 @@
-"""The measurements measure: their truths hold by other laws, their verdicts can fail, and their
-files say what was run.
-"""
+"""Tests of the benchmarks: exact solutions, errors, verdicts and the files that they write."""
 
 from __future__ import annotations
 
@@ -153,7 +151,7 @@ class TestMeasures:
             truth.stated_measure(HertzLine(radius=1.0, E_star=1.0, half_width=1.0), two) == np.inf
         )
 
-    def test_times_to_an_error_are_for_good(self):
+    def test_a_run_reaches_an_error_only_if_all_finer_grids_reach_it_too(self):
         def row(error, seconds):
             return Row("s", "m", 0, seconds, error, error, None, None, 0, True)
 
@@ -357,8 +355,8 @@ def test_another_code_nears_the_same_contact_as_its_grid_is_refined(peer):
         run()
         return truth.at_places(x, read(), case.exact)[1]
 
-    # The error sits in the two cells that hold an end, and is its root there: h sqrt(h) of the
-    # mean.
+    # The error is largest in the two cells that contain a zone end. With cells of the width h
+    # it is of the order sqrt(h) there, so the mean error is of the order h sqrt(h).
     assert mean_error(64) < 3e-3
     assert mean_error(1024) < mean_error(64) / 8
 
@@ -376,7 +374,7 @@ class TestTables:
         rows.append(self.run("contact", 1e-3, 1e-5, stated=1.1e-3))
         assert [row[1] for row in report.stated_table(rows).rows] == ["2 of 3", "2 of 3"]
 
-    def test_a_code_that_never_gets_there_is_listed_with_its_longest_run(self):
+    def test_a_code_that_never_reaches_an_error_is_listed_with_its_longest_run(self):
         rows = [
             self.run("contact", 1e-3, 1e-12),
             self.run("tamaas", 0.1, 5e-3),
@@ -469,7 +467,7 @@ class TestPages:
         short = shortened.losses(shortened.Cells(ablation.COLUMNS, rows, []))
         assert short.rows == [("it", "3", "1.20", "5", "1.40", "3", "1.30")]
 
-    def test_every_place_in_the_pages_is_that_of_a_table_that_is_made_and_is_filled(
+    def test_every_place_in_the_pages_belongs_to_a_table_that_is_made_and_is_filled(
         self, monkeypatch
     ):
         made = {
@@ -500,7 +498,7 @@ class TestPages:
 
 class TestAblation:
     @pytest.mark.parametrize("name", ablation.MECHANISMS)
-    def test_what_a_row_switches_off_is_there(self, name):
+    def test_the_code_that_a_row_switches_off_exists(self, name):
         for switch in ablation.MECHANISMS[name]:
             owner, attribute = switch.find()
             assert switch.off(vars(owner)[attribute]) is not vars(owner)[attribute]

@@ -1,5 +1,6 @@
-"""Contact fractions and approaches by a bracket on the load: few solutions on the way, and no ends
-that do not settle.
+"""Solutions at a contact fraction or approach, found by a bracket on the load.
+
+They take few solutions at other loads, also near births and mergers of zones.
 """
 
 import numpy as np
@@ -22,8 +23,9 @@ def scene(profile, **control):
 
 
 def honed(points, seed=3):
-    """A plateau of fine roughness cut by grooves, at positions off by up to 0.4 of the pitch: a
-    little more load brings much more into contact.
+    """A plateau of fine roughness cut by grooves: a little more load gives much more contact.
+
+    The positions deviate from even ones by up to 0.4 of the pitch.
     """
     rng = np.random.default_rng(seed)
     k = np.arange(1, points // 4)
@@ -41,7 +43,7 @@ def honed(points, seed=3):
 
 @pytest.fixture
 def loads(monkeypatch):
-    """Loads of the solutions on the way, as they are asked for."""
+    """List of the loads that the solver solves on the way to a solution, in their order."""
     asked = []
     plain = solver._solved
 
@@ -90,7 +92,8 @@ def test_a_zone_that_was_just_born_is_found_under_its_load():
         contact.solve(scene(TIPS, load=event.load * (1 + 1e-9)))
     best = failure.value.best
     assert len(best.zones) == 2 and best.certificate.holds
-    # A shallow cap: its load is a part in 1e9 of all, its width about the root of that.
+    # The new zone is a shallow cap. Its load is about 1e-9 of the whole load, and its relative
+    # width is about the square root of that.
     assert 1e-7 < best.zone_widths.min() / best.zone_widths.max() < 1e-4
 
 
@@ -113,7 +116,7 @@ def test_the_contact_fraction_of_a_birth_and_of_a_merger_are_found():
 
 
 class Made:
-    """A stand-in of a solution: contact that grows as a function of the load."""
+    """A stand-in for a solution, whose contact fraction and approach are functions of the load."""
 
     def __init__(self, load, value, slope):
         self.load, self.contact_fraction, self.fields = (
@@ -127,7 +130,7 @@ class Made:
 @pytest.mark.parametrize("goal", [1e-5, 0.2, 0.4999999, 0.5000001, 0.9, 0.999])
 @pytest.mark.parametrize("grown", [approach, contact_fraction])
 def test_a_root_in_the_growth_is_bracketed_in_few_solutions(goal, grown):
-    """Births and mergers make the rate infinite on one side of a load."""
+    """The value has an infinite rate at a load, as at births and mergers."""
 
     def solved(load, near):
         root = np.sqrt(abs(load - 0.25))
@@ -153,9 +156,7 @@ def test_a_load_without_a_solution_is_passed_by():
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-8])
-def test_a_gap_that_keeps_asking_to_close_has_closed_however_narrow_it_was_to_begin_with(
-    gap, monkeypatch
-):
+def test_a_gap_that_must_close_is_closed_in_few_steps_at_any_initial_width(gap, monkeypatch):
     steps, plain = [], sie.find_ends
 
     def counted(*args, **named):

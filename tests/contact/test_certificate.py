@@ -1,6 +1,4 @@
-"""The certificate is not satisfied with zones that are not the contact: a zone missing, or one too
-many taken for one.
-"""
+"""The certificate fails if a zone is missing, or if one zone is given in place of two."""
 
 from __future__ import annotations
 
@@ -76,10 +74,10 @@ def test_where_two_zones_are_taken_for_one_the_pressure_pulls_between_them():
 
 
 def test_a_contact_whose_gap_is_not_zero_on_its_zones_is_not_certified(monkeypatch):
-    """Nor would it be if nobody compared the profile's slope with its height before."""
+    """The check of the profile finds the false slope; without it, the check of the gap finds it."""
 
-    # A slope that is not the height's gives a pressure of the right sign everywhere, for another
-    # body.
+    # The slope is not the derivative of the height. The pressure is positive everywhere, but it
+    # is that of another body.
     class Bent(contact.Polynomial):
         def slope(self, x):
             return 1.001 * super().slope(x)
@@ -92,7 +90,7 @@ def test_a_contact_whose_gap_is_not_zero_on_its_zones_is_not_certified(monkeypat
         contact.solve(scene)
 
 
-def test_of_many_gaps_each_is_looked_at_beside_its_ends_as_closely_as_one_of_a_few(monkeypatch):
+def test_each_of_many_gaps_is_sampled_near_its_ends_as_closely_as_one_of_few(monkeypatch):
     looked: list[np.ndarray] = []
     real = ZoneFields.formal_gap
 
@@ -109,7 +107,7 @@ def test_of_many_gaps_each_is_looked_at_beside_its_ends_as_closely_as_one_of_a_f
     gaps, looks = fields.density.zones.b[:-1], np.sort(np.concatenate(looked))
     width = fields.density.zones.a[1:] - gaps
     assert len(gaps) == waves - 1
-    # A second touch has been seen to begin within a hundredth of the gap from its end.
+    # A second touch may begin within a hundredth of the gap's width from the end of the gap.
     within = np.searchsorted(looks, gaps + 0.01 * width) - np.searchsorted(
         looks, gaps, side="right"
     )
@@ -118,7 +116,10 @@ def test_of_many_gaps_each_is_looked_at_beside_its_ends_as_closely_as_one_of_a_f
 
 @pytest.mark.parametrize("depth", [0.0, 0.9, 1.0])
 def test_the_zooms_at_a_kink_that_touches_zero_end(depth):
-    """The second difference at a kink falls with the spacing, and ends as round-off."""
+    """The second difference of samples around a kink is proportional to their spacing.
+
+    So the zooms end at the latest when this difference is below the round-off.
+    """
     rounding = np.array([1e-14])
     dips = minima.follow(
         lambda zone, angle: np.abs(angle - 1 / 3) - depth * 1e-14,

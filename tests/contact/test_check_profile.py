@@ -1,4 +1,4 @@
-"""check_profile finds each way a profile can contradict itself, and says which."""
+"""`check_profile` finds every way in which a profile can contradict itself, and names it."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _bare(profile: Profile) -> Profile:
 
 
 def _shouldered() -> Profile:
-    """Flat for |x| <= L/10, parabolic beyond."""
+    """A profile that is flat for |x| <= L/10 and parabolic beyond."""
     beyond = lambda s, x: np.sign(s.wrap(x)) * np.maximum(np.abs(s.wrap(x)) - L / 10, 0)  # noqa: E731
     return variant(
         height=lambda s, x: 100 * beyond(s, x) ** 2,
@@ -196,7 +196,8 @@ def test_a_profile_that_takes_arrays_only_has_no_fault() -> None:
     assert report.ok and any("takes no number" in note for note in report.notes)
 
 
-# Correct shapes of all sizes: what is sharp from afar is no kink, what is rounded is no step.
+# Correct shapes, tested at several sizes. A bend that looks sharp from afar is not a kink, and
+# round-off of heights is not a step.
 CORRECT = {
     "catenary": (lambda x: np.cosh(x), np.sinh),
     "hyperbola": (lambda x: np.sqrt(1 + x**2), lambda x: x / np.sqrt(1 + x**2)),
@@ -228,6 +229,6 @@ def test_a_kink_that_is_reported_can_be_copied() -> None:
     assert "jumps by 1 at -0.1," in faults[0] and "jumps by 1 at 0.1," in faults[1]
 
 
-def test_something_that_is_no_profile_is_told_so() -> None:
+def test_an_object_that_is_no_profile_is_refused() -> None:
     with pytest.raises(ProfileFault, match="does not derive"):
         check_profile(np.sin)  # type: ignore[arg-type]

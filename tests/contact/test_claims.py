@@ -1,5 +1,7 @@
-"""What a profile of one's own says of itself: a constant, a far origin and a false claim are
-harmless, stated, or refused by name.
+"""Properties that a user's profile declares of itself, some of them false.
+
+A constant in the heights, a far origin or a false property must be harmless, or covered by the
+stated error, or refused by name.
 """
 
 from __future__ import annotations
@@ -33,8 +35,9 @@ LAYER, JKR, DUGDALE = (
 
 @dataclass(frozen=True)
 class Heights(contact.Profile):
-    """Three harmonics about a place, on a constant, with a corner; nothing but heights, of real
-    numbers alone.
+    """Three harmonics about `origin`, plus a constant and corners at AT and half a period away.
+
+    Only heights are given, and only for real numbers.
     """
 
     constant: float = 0.0
@@ -51,7 +54,7 @@ class Heights(contact.Profile):
 
 @dataclass(frozen=True)
 class Own(Heights):
-    """With its slope, which may be false by a factor."""
+    """`Heights` with its slope times `factor`; the slope is false unless this is 1."""
 
     factor: float = 1.0
     period: float = PERIOD
@@ -68,7 +71,7 @@ class Own(Heights):
 
 @dataclass(frozen=True)
 class Told(Own):
-    """With its corners, which may be declared too large, or beside their places."""
+    """`Own` with its corners, which may be declared too large, or away from their places."""
 
     too_large: float = 1.0
     beside: float = 0.0
@@ -82,7 +85,7 @@ class Told(Own):
 
 @dataclass(frozen=True)
 class Transformed(Own):
-    """With the transform of its slope, which may be false by a factor."""
+    """`Own` with the Hilbert transform of its slope times `times`; it is false unless this is 1."""
 
     times: float = 1.0
     period: float = PERIOD
@@ -137,16 +140,19 @@ def reference(route, profile):
 
 
 def place(origin):
-    """Where a shape about this origin stands within its period, by exact arithmetic of its own wave
-    number.
+    """Position within its period of a shape about `origin`.
+
+    It is computed with 40 digits from the rounded wave number WAVE, which the heights use.
     """
     with mp.workdps(40):
         return float(mp.fmod(mp.mpf(WAVE) * mp.mpf(origin), 2 * mp.pi) / mp.mpf(WAVE))
 
 
 def difference(solution, exact, shift=0.0):
-    """Largest difference of ends over widths and of pressures at equal normalised positions over
-    the peak.
+    """Largest difference of two solutions, as `Solution.error` defines errors.
+
+    It is the difference of the ends over the widths, or of the pressures at equal scaled
+    positions over the peak.
     """
     peak = (
         exact.max_pressure
@@ -170,7 +176,10 @@ def difference(solution, exact, shift=0.0):
 
 
 def right_or_refused(route, profile, true, shift=0.0):
-    """The solution is as right as it states, or is refused; what it said, where it was."""
+    """Check that a scene is solved within its stated error, or refused; return the refusal.
+
+    The refusal is an empty text if the scene is solved.
+    """
     try:
         solution = contact.solve(ROUTES[route](profile))
     except (contact.NotConverged, contact.SceneError) as refusal:
@@ -192,8 +201,8 @@ def test_an_origin_many_periods_away_is_harmless_or_stated(route, periods):
         right_or_refused(route, Own(origin=origin), Own(), place(origin))
 
 
-# Quick are those where the pressure comes from the transform of the slopes. Above 0.1 m nearly all
-# are refused, after several tries.
+# The quick cases are those in which the pressure is computed from the transform of the slope.
+# With constants above 0.1 m nearly all scenes are refused, after several attempts.
 @pytest.mark.parametrize(
     ("route", "constant"),
     quick(product(ROUTES, [0.01, 0.1, 10.0, 100.0]), [*zip(BY_RELIEF, cycle([0.01, 0.1]))]),
@@ -253,7 +262,7 @@ def test_a_corner_that_nobody_declares_is_named_on_every_route(route, slope):
 @pytest.mark.parametrize("size", [1e-7, 1e-5, 1e-3, 1e-1])
 @pytest.mark.parametrize("shape", [Heights, Own])
 def test_a_faint_corner_is_found_where_it_is(shape, size):
-    """Heights and slopes of 0.06, with two corners of a thousandth of that to a millionth."""
+    """The slopes are about 0.06; the jumps at the two corners are 1e-7 to 1e-1."""
     profile, jump = shape(corner=0.5 * size), size
     for at, jump in ((AT, size), (AT - 0.5 * PERIOD, -size)):
         found = corner(profile, at - 0.23 * PERIOD, at + 0.31 * PERIOD)
@@ -272,8 +281,8 @@ def test_a_faint_corner_in_a_zone_is_named_by_the_refusal(route, size):
 
 @pytest.mark.parametrize("size", [1e-7, 1e-4])
 @pytest.mark.parametrize("lie", [{"too_large": 1.3}, {"too_large": -1.0}, {"beside": 0.1 * PERIOD}])
-def test_faint_declared_corners_are_held_against_the_slope(lie, size):
-    """Corners of a millionth of the slopes: true ones pass, others are named."""
+def test_faint_declared_corners_are_checked_against_the_slope(lie, size):
+    """True corners pass, false ones are named. The slopes are about 0.06, the jumps `size`."""
     assert claims.of(Told(corner=0.5 * size)).error < 1e-12
     false = Told(corner=0.5 * size, **lie)
     with pytest.raises(contact.SceneError, match="kink declared at .* the slope jumps by"):
@@ -293,7 +302,7 @@ def test_a_false_transform_of_the_slope_is_harmless_or_named(route, times):
 # Profiles whose claims are true
 # -------------------------------------------------------------------------------------
 def own(height, slope=None, **said):
-    """A profile of these functions and properties, its period an attribute."""
+    """A profile made of these functions and properties; the period is an ordinary attribute."""
     parts = {"height": lambda self, x: height(np.asarray(x, dtype=float))}
     if slope is not None:
         parts["slope"] = lambda self, x: slope(np.asarray(x, dtype=float))
@@ -376,7 +385,7 @@ def test_true_claims_cost_no_digit(name):
     assert claims.of(TRUE[name], zones).error < 1e-9
 
 
-def test_corners_that_nobody_declares_accuse_no_slope():
+def test_undeclared_corners_do_not_count_as_errors_of_the_slope():
     rng = np.random.default_rng(7)
     for _ in range(150):
         at, jump = rng.random(), 10 ** rng.uniform(-5, 1)
@@ -395,7 +404,8 @@ def test_corners_that_nobody_declares_accuse_no_slope():
 
 @pytest.mark.parametrize("constant", [1.0, 1e3, 1e6])
 def test_a_false_factor_that_noise_hides_on_every_panel_is_seen_on_all_of_them(constant):
-    # Rounding of the heights over the rise of a panel. All panels together show less.
+    # `hidden` is the round-off of the heights divided by the rise of a panel. All panels
+    # together show a smaller false factor than one panel.
     hidden = 4 * 2.0**-53 * constant / 0.2
     for false in (4 * hidden, -4 * hidden, 40 * hidden):
         shape = own(
@@ -406,9 +416,9 @@ def test_a_false_factor_that_noise_hides_on_every_panel_is_seen_on_all_of_them(c
         assert claims.of(shape).error >= abs(false)
 
 
-def test_a_slope_is_judged_by_those_nearby_where_far_ones_are_larger():
-    # np.abs loses the imaginary part of a complex step. So the derived slope lacks that of
-    # `faint` |x - 0.3|, where the slopes are at most 1000.
+def test_an_error_of_the_slope_is_compared_with_slopes_nearby_where_far_ones_are_larger():
+    # np.abs loses the imaginary part of a complex step. So the derived slope lacks the
+    # derivative of `faint` |x - 0.3|. The slopes in the zone are at most about 1000.
     for faint in (1e-7, 1e-8, 1e-9):
         shape = type(
             "Steep",
@@ -468,7 +478,7 @@ def test_a_false_symmetry_period_or_lowest_place_is_named(said, told):
     "model, control",
     [(contact.Periodic(), {"mean_pressure": 1e4}), (contact.Isolated(), {"load": 1e2})],
 )
-def test_one_zone_in_closed_form_is_held_against_its_heights(model, control, times):
+def test_one_zone_in_closed_form_is_checked_against_its_heights(model, control, times):
     said = {"period": 1.0} if model.needs_period else {}
     height = cosine if said else (lambda x: 0.5 * x**2)
     slope = sine if said else (lambda x: x)
@@ -481,7 +491,7 @@ def test_one_zone_in_closed_form_is_held_against_its_heights(model, control, tim
         contact.solve(contact.Scene(false, MODULUS, model, **control))
 
 
-def test_the_body_of_a_pair_and_a_turned_one_are_looked_at():
+def test_the_bodies_of_a_pair_are_checked():
     pair = contact.Combined(contact.Sinusoid(1e-6, PERIOD), Own(factor=1.001))
     with pytest.raises(contact.SceneError, match="slope disagrees with the height"):
         contact.solve(contact.Scene(pair, MODULUS, contact.Periodic(), contact_fraction=0.5))
@@ -513,7 +523,7 @@ def test_the_error_of_a_series_covers_a_jump_that_nobody_declares(order):
 
 
 @pytest.mark.parametrize("size", [1e-15, 1e-9, 1e-3])
-def test_the_noise_of_values_is_told_from_their_shape(size):
+def test_the_noise_of_values_is_separated_from_their_shape(size):
     rng = np.random.default_rng(1)
     values = np.sin(
         rng.random(200) + 2 * np.pi * STEP * PLACES[:, None]
@@ -522,7 +532,7 @@ def test_the_noise_of_values_is_told_from_their_shape(size):
 
 
 def exact_wave(x, origin, terms):
-    """Slope and conjugate of harmonics about an origin, in extended precision; period 1."""
+    """Slope and conjugate of harmonics about an origin, of period 1, in extended precision."""
     turns = np.asarray(x).astype(np.longdouble) - np.longdouble(origin)
     k = np.arange(1, terms + 1)
     phase = 2 * np.longdouble(np.pi) * ((turns[..., None] * k) % 1.0)
@@ -571,7 +581,7 @@ def test_the_error_of_a_series_covers_a_faint_corner_that_nobody_declares(jump):
 
 
 def test_narrow_bumps_far_apart_do_not_contradict_themselves():
-    """No panel resolves them, and their flanks have heights of any smallness."""
+    """No panel resolves the bumps, and the heights on their flanks are arbitrarily small."""
     for seed in range(40):
         rng = np.random.default_rng(seed)
         width, count = 10 ** rng.uniform(-8, -4), int(rng.integers(1, 7))

@@ -1,5 +1,6 @@
-"""The commands answer as their documentation says, and end in 0, 2 or 3 with one clear line for the
-last two.
+"""The commands do what their documentation says, and end with the status 0, 2 or 3.
+
+With the status 2 or 3, they print one clear line on stderr.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def run(*arguments):
 
 
 def stopped(status, *arguments) -> str:
-    """Run, expecting that status and one line on stderr, and nothing on stdout."""
+    """Check that a command ends with this status and one line on stderr only; return the line."""
     result = run(*arguments)
     assert result.exit_code == status, result.output
     assert result.stdout == ""
@@ -125,7 +126,7 @@ class TestSolve:
         )
 
     @pytest.mark.parametrize("option", ["--save", "--csv", "--fields"])
-    def test_a_file_of_numbers_whose_ending_is_none_of_its_own_is_refused_before_solving(
+    def test_a_file_of_numbers_with_a_wrong_ending_is_refused_before_solving(
         self, scene, tmp_path, monkeypatch, option
     ):
         monkeypatch.setattr(cli, "solve", lambda *a, **k: pytest.fail("solved"))
@@ -231,11 +232,11 @@ class TestFailures:
     def test_a_bad_value_is_named(self, scene, command):
         assert "mean_pressure" in stopped(2, command, scene("mean_pressure = -1"))
 
-    def test_a_control_no_contact_answers_ends_in_2(self, scene):
+    def test_a_control_that_no_contact_can_have_ends_in_2(self, scene):
         stopped(2, "solve", scene("approach = 1e-5"))
 
     @pytest.mark.parametrize("tol", ["0", "-1", "nan", "x"])
-    def test_a_tolerance_that_is_none_is_refused(self, scene, tol):
+    def test_an_invalid_tolerance_is_refused(self, scene, tol):
         assert "tol" in stopped(2, "solve", scene(), "--tol", tol)
 
     @pytest.mark.parametrize(
@@ -349,7 +350,8 @@ class TestCompare:
         differences = result.stdout.partition("from the exact model")[2].partition("zone ends")[0]
         rows = [line.split()[-3] for line in differences.splitlines()[6:] if line.strip()]
         errors = [float(word) for word in rows if word != "-"]
-        # Isolated, the zone would reach the border of its cell: no number there.
+        # The zone of the isolated model would reach the border of its cell, so its row has no
+        # number.
         assert errors[-1] == 0 and len(errors) == 7
         assert errors[1] > errors[2] > 3 * errors[3] > 9 * errors[4] > 30 * errors[5] > 0
 
@@ -371,7 +373,7 @@ class TestCompare:
         result = run("compare", scene())
         assert result.exit_code == status
         assert result.stderr.count("\n") == 1
-        # One line for each reason, with the models it holds for.
+        # Each reason has one line, with the models for which it holds.
         assert result.stdout.count("no solution: ") == 3
         assert (
             "first-order, self-consistent, m = 1, m = 2, m = 4, m = 8: no solution: localized has none"
@@ -466,7 +468,7 @@ def test_slip_prints_what_python_gives(scene, tmp_path):
     assert (tmp_path / "z.csv").read_text().startswith("left,right,width,state")
 
 
-def test_slip_rolls_where_it_is_told_to(tmp_path):
+def test_slip_solves_rolling_if_the_scene_asks_for_it(tmp_path):
     path = tmp_path / "wheel.toml"
     path.write_text(
         'profile = {shape = "parabola", radius = 1.0}\nmaterial = {E_star = 1e9}\n'
@@ -491,7 +493,7 @@ def test_slip_rolls_where_it_is_told_to(tmp_path):
 )
 def test_slip_names_what_is_wrong_in_its_table(scene, lines, named):
     assert named in stopped(2, "slip", with_friction(scene(), lines))
-    if named != "at most friction":  # the table is checked by whatever reads the file
+    if named != "at most friction":  # every command that reads the file checks the table
         assert named in stopped(2, "solve", with_friction(scene(), lines))
 
 
