@@ -1,19 +1,21 @@
-"""Equations of the second kind against known solutions and numbers from elsewhere.
+"""Equations of the second kind, compared with published numbers and with closed forms.
 
-The numbers of the first part are those of the tests of the package SingularIntegralEquations.jl (S.
-Olver and R. M. Slevinsky, MIT licence) for intervals, most of them by Mathematica. That package has
-no equation of the second kind on intervals with constant factors. It has transforms of (1 - x)^p (1
-+ x)^q times a function, with p + q an integer or not; only integers belong to an equation with
-kappa. In the second part are closed forms, and the equation of theirs with a factor that varies.
+The first part has numbers from the tests of the package SingularIntegralEquations.jl (S. Olver
+and R. M. Slevinsky, MIT licence), for intervals. Most of them were computed with Mathematica.
+That package does not solve equations of the second kind with constant factors on intervals. It
+computes transforms of (1 - x)^p (1 + x)^q times a function. Only if p + q is an integer, such a
+product is the density of an equation with kappa. Then come equations of the package, one of them
+with a factor that varies. The last part has closed forms.
 
-With alpha as in docs/engine.md, s = sin(pi alpha) and |X| = (b - x)^alpha (x - a)^(1 - alpha), the
-density of one zone with bounded ends is, for any right side with int g/|X| = 0,
+With alpha as in docs/engine.md, s = sin(pi alpha) and |X| = (b - x)^alpha (x - a)^(1 - alpha),
+the density of one zone with bounded ends is
 
     phi = (kappa g - |X| (1/pi) PV int g(xi) / (|X(xi)| (x - xi)) dxi) / (1 + kappa^2),
 
-and its total is s int xi g/|X| (N. I. Muskhelishvili, Singular Integral Equations, 1953, sect.
-107). For one singular end at a, |X| = (b - x)^alpha (x - a)^(-alpha), without a condition for g,
-and the total is s int g/|X|.
+for any right side with int g/|X| = 0. Its total is s int xi g/|X| (N. I. Muskhelishvili,
+Singular Integral Equations, 1953, sect. 107). For one singular end at a,
+|X| = (b - x)^alpha (x - a)^(-alpha). Then g need not meet a condition, and the total is s
+int g/|X|.
 """
 
 from dataclasses import replace
@@ -28,9 +30,7 @@ from tests.tiers import quick
 
 KAPPAS = [-3.0, -0.3, 0.05, 0.7, 12.0]
 S, B = sie.SINGULAR, sie.BOUNDED
-NO_KAPPA = (
-    1e-300  # the exponents are 1/2 exactly, but the density is that of an equation with kappa
-)
+NO_KAPPA = 1e-300  # the exponents are exactly 1/2, but the solver is that for equations with kappa
 
 
 def alpha_of(kappa):
@@ -38,9 +38,11 @@ def alpha_of(kappa):
 
 
 def given_density(f, ends, powers, kappa):
-    """The density f(x) (x - a)^p (b - x)^q, (p, q) = powers, with f smooth, from its coefficients.
+    """The density f(x) (x - a)^p (b - x)^q with (p, q) = powers and a smooth f, as a
+    `SecondKindDensity`.
 
-    p is -alpha or 1 - alpha, and q is alpha - 1 or alpha.
+    p is -alpha or 1 - alpha, and q is alpha - 1 or alpha. The 30 coefficients are found by
+    interpolation.
     """
     a, b = ends
     equation = sie.Equation(sie.cauchy(), np.zeros_like, kappa=kappa)
@@ -57,7 +59,9 @@ def given_density(f, ends, powers, kappa):
 
 
 def by_quadrature(f, powers, ends, kernel):
-    """int f(xi) (xi - a)^p (b - xi)^q kernel(xi) dxi to some 15 digits; f and kernel of mpmath."""
+    """The integral of f(xi) (xi - a)^p (b - xi)^q kernel(xi) by xi from a to b, with about 15
+    digits. `f` and `kernel` are functions of mpmath numbers.
+    """
     with mp.workdps(20):
         a, b = map(mp.mpf, ends)
         p, q = map(mp.mpf, powers)
@@ -71,8 +75,9 @@ def by_quadrature(f, powers, ends, kernel):
         return mp.quad(part, points)
 
 
-# Numbers of the package: (ends, f, power of both distances, x, transform at x or None, potential).
-# Its Hilbert transform has 1/(xi - x) for our 1/(x - xi).
+# Numbers of the package for the density e^x (x - a)^power (b - x)^power on [a, b]: (ends, power,
+# x, transform at x, potential at x or None). The package's Hilbert transform has 1/(xi - x)
+# where the transform here has 1/(x - xi).
 ON_THE_INTERVAL = [
     ((-2, -1), 0.5, -1.2, 0.057515957831535571, -0.05044654410790341),
     ((-2, -1), -0.5, -1.2, -0.26527878405434321204, -0.39563660592242765),
@@ -81,7 +86,7 @@ ON_THE_INTERVAL = [
     ((-1, 1), 0.5, 0.1, -0.43723982258866913063, None),
     ((-1, 2), 0.5, 0.1, -2.1380903070701673244, None),
 ]
-# (power, point, int phi/(z - xi), int phi log(z - xi)); phi = e^x (1 - x^2)^power.
+# (power, point z, int phi/(z - xi) dxi, int phi log(z - xi) dxi) for phi = e^x (1 - x^2)^power.
 OFF_THE_INTERVAL = [
     (-0.5, 3 + 1.5j, 1.1589646343327455 - 0.7273679005911283j, None),
     (0.5, 3.0, 0.661642255728541, 1.7772163062194637),
@@ -106,7 +111,7 @@ def test_numbers_off_the_interval(power, z, transform, potential):
         assert np.pi * float(density.potential(z)) == pytest.approx(potential, rel=1e-12)
 
 
-# The package's ten coefficients of Jacobi polynomials.
+# Ten coefficients of a series of Jacobi polynomials, from the package's tests.
 TEN = [
     0.9731840665678853,
     0.11644664868790366,
@@ -146,7 +151,10 @@ def jacobi(n, powers, x):
     ("left", "right"), quick(JACOBI, [(-0.5, 0.5), (-0.123, -0.877), (0.544, 0.456)])
 )
 def test_transforms_of_jacobi_series(left, right):
-    """Points of the package; near to the interval, where 1/(z - xi) is steep, its 0.1 + 0.1i."""
+    """The transform agrees with quadrature at points of the package's tests. Among them is
+    0.1 + 0.1i, close to the interval, where 1/(z - xi) is steep. The jump of the transform
+    across the interval gives the density.
+    """
     powers = left, right
     with mp.workdps(40):
         x = [mp.mpf(k - 4.5) / 5 for k in range(10)]
@@ -177,9 +185,11 @@ def test_transforms_and_potentials_of_a_weighted_exponential(powers):
         assert np.pi * float(density.potential(x)) == pytest.approx(potential, rel=1e-12)
 
 
-# Equations of the package.
+# Equations from the package's tests.
 def test_ideal_flow_around_two_plates():
-    """H f + a on one plate + b on the other = -2 x sin(1.3) on 0.3 < |x| < 1: a, b and f(1/2)."""
+    """In the notation of the package, H f + a on the left plate and H f + b on the right plate
+    are equal to -2 x sin(1.3), for 0.3 < |x| < 1. The package gives a, b and f(1/2).
+    """
     plates = sie.Zones.of([[-1.0, -0.3], [0.3, 1.0]], B, B)
     columns = (lambda x: 1.0 * (x < 0), lambda x: 1.0 * (x > 0))
     for kappa in (0.0, NO_KAPPA):
@@ -192,7 +202,9 @@ def test_ideal_flow_around_two_plates():
 
 
 def test_flow_at_an_angle_around_two_plates():
-    """The velocity potential at 0.1 + 0.2i of plates on -1 ... -0.5 and -0.3 ... 1."""
+    """The complex velocity potential at 0.1 + 0.2i of a flow past plates on [-1, -0.5] and
+    [-0.3, 1].
+    """
     turn = np.exp(114j / 50)
     plates = sie.Zones.of([[-1.0, -0.5], [-0.3, 1.0]], B, B)
     columns = (lambda x: 1.0 * (x < -0.4), lambda x: 1.0 * (x > -0.4))
@@ -205,9 +217,11 @@ def test_flow_at_an_angle_around_two_plates():
 
 @pytest.mark.parametrize("a", [np.sqrt(np.sqrt(5) - 2) / 2, 1.0, 10.0])
 def test_an_equation_with_a_varying_factor(a):
-    """H (w u) + x u / (a sqrt(1 + a^2)) = 0, w = (1 - x^2)^(-1/2), u(-1) = 1.
+    """In the notation of the package, H (w u) + x u / (a sqrt(1 + a^2)) = 0, with
+    w = (1 - x^2)^(-1/2) and u(-1) = 1.
 
-    The solution is u = (1 + a^2) / (x^2 + a^2). Here u is taken to the right side.
+    The solution is u = (1 + a^2) / (x^2 + a^2). In this test the second term, with the known u,
+    is moved to the right side.
     """
     u = lambda x: (1 + a * a) / (x * x + a * a)  # noqa: E731
     equation = sie.Equation(
@@ -224,10 +238,11 @@ def test_an_equation_with_a_varying_factor(a):
 
 # Closed forms.
 def density_by_quadrature(g, powers, ends, kappa, x, split=()):
-    """phi of the head of this module at x; |X| = (x - a)^p (b - x)^q, (p, q) = powers.
+    """phi at x, by the formula at the head of this module. A negative first one of `powers`
+    means a singular left end.
 
-    g is a function of mpmath, smooth between the points `split`. The constant g(x) has a closed
-    form, s (1/pi) PV int 1 / (|X| (x - xi)) = -kappa s / |X| + [p < 0]. Only g - g(x) is integrated.
+    g is a function of mpmath numbers, smooth between the points `split`. Only g - g(x) is
+    integrated numerically. The integral for the constant g(x) is `_constant`.
     """
     p, q = powers
     with mp.workdps(20):
@@ -245,14 +260,16 @@ def density_by_quadrature(g, powers, ends, kappa, x, split=()):
 
 
 def _constant(p, alpha, size, kappa, sine, ends, x):
-    """(1/pi) PV int dxi / (|X(xi)| (x - xi)), from the values of 1/X at infinity."""
+    """(1/pi) PV int dxi / (|X(xi)| (x - xi)), from the behaviour of 1/X at infinity."""
     # (s/pi) int dxi / (|X| (z - xi)) is 1/X for bounded ends, and 1/X - 1 for a singular left end.
     at_infinity = 1 if p < 0 else 0
     return (kappa * sine / size - at_infinity) / sine
 
 
 def _piece(f, piece, ends, powers):
-    """int f / ((t - a)^p (b - t)^q) over a piece between two of the points."""
+    """The integral of f / ((t - a)^p (b - t)^q) over a piece between two neighbouring points.
+    [a, b] are the `ends`, (p, q) are the `powers`.
+    """
     low, high = piece
 
     def part(s):
@@ -268,15 +285,18 @@ def _piece(f, piece, ends, powers):
 
 @pytest.mark.parametrize("kappa", quick(KAPPAS, [-3.0, 0.7]))
 def test_a_sliding_wedge(kappa):
-    """g = sign(x): the apex is the median of a beta distribution, the total that of |x|.
+    """A sliding wedge, g = sign(x), on a zone of the width 1: the apex is at the median of a
+    beta distribution. The total is pi times the mean of |x|.
 
-    D. A. Hills, D. Nowell, A. Sackfield, Mechanics of Elastic Contacts, 1993, have the same
-    problem.
+    Both follow from the formulas at the head of this module, as s / (pi |X|) is the density of
+    the distribution. D. A. Hills, D. Nowell, A. Sackfield, Mechanics of Elastic Contacts, 1993,
+    solve the same problem.
     """
     a = alpha_of(kappa)
     share = betaincinv(a, 1 - a, 0.5)
     ends = -share, 1 - share
-    # The means of |x| and of x |x| over the distribution of x = B - share, B of beta(alpha, 1 - alpha).
+    # `mean` is the mean of |x| with x = B - share, where B has the distribution
+    # beta(alpha, 1 - alpha).
     upper = lambda p: a * (1 - betainc(a + 1, 1 - a, share)) if p else 0.5  # noqa: E731
     mean = 2 * (upper(1) - 0.5 * share) - (a - share)
     total = np.pi * mean
@@ -296,7 +316,9 @@ def test_a_sliding_wedge(kappa):
 
 @pytest.mark.parametrize("kappa", quick(KAPPAS, [-3.0, 0.7]))
 def test_a_sliding_profile_of_the_fourth_power(kappa):
-    """g = x^3: the mean of x^3 over a beta distribution is 0; total pi times that of x^4."""
+    """A sliding profile with the slope g = x^3, on a zone of the width 1: the mean of x^3 over a
+    beta distribution is 0. The total is pi times the mean of x^4.
+    """
     a = alpha_of(kappa)
     raw = [1.0]
     for n in range(5):
@@ -316,7 +338,9 @@ def test_a_sliding_profile_of_the_fourth_power(kappa):
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_a_tilted_sliding_punch_leaves_the_ground(kappa):
-    """g = 0.7, corner at -1: phi = 0.7 s ((b - x) / (x + 1))^alpha, total 0.7 pi alpha (b + 1)."""
+    """A tilted flat punch, g = 0.7, has a corner at -1 and loses contact at b. The density is
+    phi = 0.7 s ((b - x) / (x + 1))^alpha, with the total 0.7 pi alpha (b + 1).
+    """
     a = alpha_of(kappa)
     width = 1 / (0.7 * np.pi * a)
     equation = sie.Equation(
@@ -327,22 +351,25 @@ def test_a_tilted_sliding_punch_leaves_the_ground(kappa):
     x = -1 + width * np.array([0.01, 0.5, 0.99])
     exact = 0.7 * np.sin(np.pi * a) * ((width - 1 - x) / (x + 1)) ** a
     assert found.density(x) == pytest.approx(exact, rel=1e-7)
-    # int (x + 1) phi = 0.7 pi width^2 alpha (1 - alpha) / 2.
+    # The moment is int (x + 1) phi dx = 0.7 pi width^2 alpha (1 - alpha) / 2.
     moment = 0.7 * np.pi * width**2 * a * (1 - a) / 2
     assert found.density.moment(-1.0) == pytest.approx(moment, rel=1e-8)
 
 
 @pytest.mark.parametrize("kappa", quick([0.0001, 0.1, 0.7, 5.0], [0.0001, 0.7]))
 def test_a_porous_aerofoil_with_a_flap(kappa):
-    """Incidence 0.3, camber -0.2 x and a flap turned by 0.1 from x = 0.4 on; Kutta condition at 1.
+    """The right side is the incidence 0.3, the camber -0.2 x and a flap turned by 0.1 from x =
+    0.4 on. The Kutta condition holds at x = 1.
 
-    A seepage proportional to the pressure jump gives this equation (P. J. Baddoo, R. Hajian, J. W.
-    Jaworski, arXiv:1911.07382). At incidence alone the lift is 2 alpha times that of a tight plate.
+    Seepage through the plate, proportional to the pressure jump, gives this equation (P. J.
+    Baddoo, R. Hajian, J. W. Jaworski, arXiv:1911.07382). With incidence alone, the lift is 2
+    alpha times that of a plate without pores.
     """
     a = alpha_of(kappa)
     flap = 0.1 * (1 - betainc(1 + a, 1 - a, 0.7))
     unit = 2 * np.pi * a  # s times the integral of (1 - x)^(-alpha) (1 + x)^alpha
-    # The mean of x over that distribution, beta(1 + alpha, 1 - alpha) of (1 + x) / 2, is alpha.
+    # Let (1 + x) / 2 have the distribution beta(1 + alpha, 1 - alpha), whose density has the
+    # same powers. Then the mean of x is alpha.
     total = unit * (0.3 - 0.2 * a + flap)
     forcing = sie.Forcing(lambda x: 0.3 - 0.2 * x + 0.1 * (x > 0.4), None, sie.Jumps([0.4], [0.1]))
     equation = sie.Equation(sie.cauchy(), forcing, kappa=kappa)
@@ -356,7 +383,12 @@ def test_a_porous_aerofoil_with_a_flap(kappa):
 
 @pytest.mark.parametrize("kappa", quick(KAPPAS, [-3.0, 0.7]))
 def test_two_sliding_punches(kappa):
-    """phi = +-s (d + e x) |X|^(-1), X the product of both: d, e from the totals by quadrature."""
+    """Two sliding flat punches have phi = +-s (d + e x) / |X|, with the minus sign on the left
+    zone. |X| is the product of (x - a)^alpha (b - x)^(1 - alpha) in absolute value over both
+    zones [a, b].
+
+    Quadrature of the totals gives d and e.
+    """
     ends, a = [(-1.0, -0.2), (0.3, 1.1)], alpha_of(kappa)
 
     def others(x, zone):
@@ -399,9 +431,11 @@ def test_two_sliding_punches(kappa):
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_a_row_of_sliding_flat_punches(kappa):
-    """phi = s/L cos(pi x/L - mu) sin(pi (b - x)/L)^(alpha - 1) sin(pi (x - a)/L)^(-alpha).
+    """A periodic row of sliding flat punches, with the total 1 in each period L.
 
-    Its total is 1, and mu = (1 - alpha) pi b/L + alpha pi a/L, from its transform far above.
+    The density is phi =
+    s/L cos(pi x/L - mu) sin(pi (b - x)/L)^(alpha - 1) sin(pi (x - a)/L)^(-alpha). The transform
+    far above the line gives mu = (1 - alpha) pi b/L + alpha pi a/L.
     """
     (low, high), period, a = (-0.5, 0.9), 2.0, alpha_of(kappa)
     equation = sie.Equation(sie.hilbert(period), np.zeros_like, sie.Total(1.0), kappa=kappa)
@@ -416,13 +450,16 @@ def test_a_row_of_sliding_flat_punches(kappa):
 @pytest.mark.parametrize("kappa", KAPPAS)
 @pytest.mark.parametrize("width", [0.3, 0.9, 1.4])
 def test_a_sliding_wavy_surface(kappa, width):
-    """g = sin(2 pi x/L), L = 2: phi = 2 s cos(pi x/L + mu) |X|, X of sines.
+    """A sliding wave, g = sin(2 pi x/L) with L = 2, has the density
+    phi = 2 s cos(pi x/L + mu) |X|.
 
-    With B = pi b/L, A = pi a/L and mu = alpha B + (1 - alpha) A, far above
+    Here |X| = sin(B - pi x/L)^alpha sin(pi x/L - A)^(1 - alpha), with the ends A = pi a/L and
+    B = pi b/L, and mu = alpha B + (1 - alpha) A. The transform far above the line gives
 
         exp(2 i mu) - alpha exp(-2 i B) - (1 - alpha) exp(-2 i A) = 2 total/L.
 
-    Its imaginary part gives A for a given width B - A. Without friction it is Westergaard's.
+    The imaginary part of this equation gives A for a given width B - A. Without friction the
+    solution is that of Westergaard.
     """
     a, unit = alpha_of(kappa), np.pi / 2
     low = -0.5 * np.angle(np.exp(2j * a * width) + a * np.exp(2j * width) + 1 - a)

@@ -1,4 +1,4 @@
-"""Equations with kappa on many zones: fast sums against the matrix, and against exact laws."""
+"""Equations with kappa on many zones: fast sums compared with a matrix, and with exact laws."""
 
 import numpy as np
 import pytest
@@ -21,6 +21,7 @@ def row(count, seed=0):
 
 
 def by_matrix(monkeypatch, equation, zones):
+    """The solution on the zones with a matrix, even if fast sums could replace it."""
     with monkeypatch.context() as patch:
         for module in (solving, solving.many_levels):
             patch.setattr(module, "unfit", lambda *_: "a matrix is wanted")
@@ -39,7 +40,7 @@ def test_sums_and_matrix_agree_within_the_stated_error(monkeypatch, periodic, se
     change = fast.density.coefficients[:, :count] - dense.density.coefficients[:, :count]
     assert np.abs(change).max() <= min(1e-12, fast.density_error) * dense.size
     assert fast.density_error < 1e-10
-    # Responses to other totals go through the same sums.
+    # The response to other totals is computed by the same fast sums.
     values = np.linspace(1.0, 2.0, 45)
     both = [one.response(values).totals for one in (fast, dense)]
     assert both[0] == pytest.approx(values, rel=1e-13)
@@ -58,7 +59,7 @@ def test_aerofoils_with_one_bounded_end_each(monkeypatch):
     assert fast.density_error < 1e-10
 
 
-def test_known_parts_zones_go_through_the_sums(monkeypatch):
+def test_fast_sums_include_the_closed_form_parts_of_jumps(monkeypatch):
     zones, _ = row(45)
     places = zones.middle[[3, 40]]
     jumps = sie.Jumps(places, [1.0, -2.0], [0, 0])
@@ -86,7 +87,7 @@ LEVELLED = [
 
 
 @pytest.mark.parametrize("kernel, conditions, columns", LEVELLED)
-def test_levels_of_many_zones_with_kinks_go_through_the_sums(
+def test_levels_of_many_zones_with_kinks_agree_with_the_matrix(
     monkeypatch, kernel, conditions, columns
 ):
     zones, _ = row(37)
@@ -133,10 +134,12 @@ def test_small_kappa_is_the_first_kind():
 
 
 def test_a_row_of_many_sliding_waves_has_the_ends_of_one():
-    """T p + kappa (p - mean p) = sin 2x: pressure from A to B in each period pi, alpha = 0.41.
+    """The equation T p + kappa (p - mean p) = sin 2x has the pressure p on one zone [A, B] in
+    each period pi; alpha is 0.41.
 
-    The ends obey cos(2 m - pi alpha) = alpha cos(2 B + pi alpha) + (1 - alpha) cos(2 A + pi alpha),
-    m = alpha B + (1 - alpha) A, and the mean is (cos 2m - alpha cos 2B - (1 - alpha) cos 2A) / 2.
+    The ends obey
+    cos(2 m - pi alpha) = alpha cos(2 B + pi alpha) + (1 - alpha) cos(2 A + pi alpha) with
+    m = alpha B + (1 - alpha) A. The mean is (cos 2m - alpha cos 2B - (1 - alpha) cos 2A) / 2.
     """
     alpha, mean, count = 0.41, 0.3, 60
     kappa = 1 / np.tan(np.pi * alpha)

@@ -1,7 +1,8 @@
-"""Systems of densities, by zones of a second density that are counted from a shifted place on.
+"""Systems of equations for two densities, solved as one equation on shifted zones.
 
-Between two such zones the pole of the kernel stands for nothing: the smooth part takes it off and
-adds what couples the densities (docs/engine.md, "Several densities").
+The zones of the second density are shifted along the line. Between zones of different densities,
+the pole of the kernel has no meaning. So the smooth part of the kernel subtracts the pole, and
+adds the coupling of the densities (docs/engine.md, "Several densities").
 """
 
 import numpy as np
@@ -13,7 +14,9 @@ SHIFT = 8.0
 
 
 def coupled(own, other):
-    """Smooth part of a kernel: `own` between zones of one density, `other` between unlike ones."""
+    """The smooth part of a kernel: `own` between zones of the same density, and `other` between
+    zones of different densities, where the pole is subtracted.
+    """
 
     def value(x, xi):
         lag = x - xi
@@ -35,8 +38,12 @@ def lifts(height, own=np.zeros_like):
 
 @pytest.mark.parametrize("height", [0.3, 1.0, 20.0])
 def test_a_biplane_lifts_what_discrete_vortices_say(height):
-    """Vortices at the quarter points of panels, no flow through their three-quarter points (R. M.
-    James, Comput. Methods Appl. Mech. Eng. 1, 1972, 59); their error is of the second order.
+    """The circulations agree with those of discrete vortices, extrapolated to infinitely many
+    panels.
+
+    The vortices are at the quarter points of panels, and no flow passes the three-quarter points
+    (R. M. James, Comput. Methods Appl. Mech. Eng. 1, 1972, 59). The error is of the second order
+    in the length of the panels.
     """
 
     def by_vortices(count):
@@ -56,7 +63,9 @@ def test_far_apart_each_plate_lifts_as_if_alone():
 
 
 def test_two_densities_on_one_place_are_the_sum_and_the_difference_of_two_alone():
-    """T phi_1 + c G phi_2 = 1, T phi_2 + c G phi_1 = 0, G with the kernel sin: phi_1 +- phi_2."""
+    """The system T phi_1 + c G phi_2 = 1, T phi_2 + c G phi_1 = 0, where G has the kernel
+    sin(x - xi). So phi_1 +- phi_2 solves (T +- c G) phi = 1.
+    """
     part = 0.4
     kernel = sie.cauchy() + coupled(np.zeros_like, lambda lag: part * np.sin(lag))
     ends = [[-1.0, 0.5], [SHIFT - 1.0, SHIFT + 0.5]]

@@ -1,5 +1,5 @@
-"""Narrow gaps as slits of wide zones: the same answer as zone by zone, and one that does not depend
-on the gap.
+"""Narrow gaps as slits of wide zones: the solution agrees with that without slits, and the cost
+does not grow as a gap narrows.
 """
 
 from dataclasses import replace
@@ -35,7 +35,8 @@ TABLES = (
 )
 
 
-# Kinks in the gaps of these: one of them, of either sign, or in all, and one in a zone.
+# Positions and heights of jumps of the right side: none, one in a gap, or one in each narrow gap
+# of `TABLES` and one in a zone.
 KINKS = ((), ((-0.0297, -0.7),), ((-0.0291, 0.4), (-0.0253, -2.0), (0.0501, -1.0), (0.1, 0.3)))
 
 
@@ -47,7 +48,9 @@ KINKS = ((), ((-0.0297, -0.7),), ((-0.0291, 0.4), (-0.0253, -2.0), (0.0501, -1.0
     ids=["smooth", "kink", "kinks"],
 )
 class TestAgainstZoneByZone:
-    """On zones that are not a solution: every end is singular."""
+    """States with slits agree with states without slits. The ends of the zones are not those of
+    a solution, so that the density is singular at every end.
+    """
 
     @pytest.fixture
     def both(self, kernel, table, kinks):
@@ -94,6 +97,9 @@ class TestAgainstZoneByZone:
         )
 
     def test_a_wrong_sign_of_the_slits_would_show(self, both, table):
+        """Without the part that slits add to the density, the density differs by more than 1e-4.
+        So the tests above would show a wrong sign of this part.
+        """
         plain, slit = both
         smooth = slit.density.smooth
         i = slit.geometry.piece_zone[0]
@@ -103,7 +109,7 @@ class TestAgainstZoneByZone:
         assert np.abs(without - plain.density.at_t(0, T)).max() > 1e-4 * np.abs(without).max()
 
 
-def test_a_kink_beside_a_slit_is_carried():
+def test_a_kink_beside_a_slit_is_taken_into_account():
     problem, zones = equation(sie.hilbert(1.0), (-0.02, 0.7)), sie.Zones.of(TABLES[0])
     plain, slit = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
     for piece in range(2):
@@ -112,7 +118,10 @@ def test_a_kink_beside_a_slit_is_carried():
 
 @pytest.mark.parametrize("half", [1e-12, 1e-15, 1e-16, 1e-18, 1e-20])
 @pytest.mark.parametrize("place", [-1.0, 0.0, 0.3, 1.0])
-def test_a_kink_in_a_gap_narrower_than_round_off_is_carried(half, place):
+def test_a_kink_in_a_gap_narrower_than_round_off_is_taken_into_account(half, place):
+    """For such a gap, of the half width `half`, the density is that for the half width 1e-9
+    within 1e-7, wherever in the gap the right side jumps.
+    """
     found = [
         solve_zones(
             equation(sie.cauchy(), (part * one, -0.7)), sie.Zones.of([[-1, -one], [one, 1]])
@@ -124,7 +133,7 @@ def test_a_kink_in_a_gap_narrower_than_round_off_is_carried(half, place):
 
 
 @pytest.mark.parametrize("kernel", quick(KERNELS, KERNELS[1:]), ids=["line", "period", "images"])
-def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel):
+def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_taken_into_account(kernel):
     at, first, second = -0.0293, -0.7, 30.0
 
     def value(x):
@@ -154,11 +163,13 @@ def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel)
         assert np.abs(one - other).max() < error * np.abs(one).max()
     x = np.array([-0.5, -0.21, -0.0297, -0.0292, -0.1, 0.05, 0.2, 0.4])
     assert np.abs(plain.density.transform(x) - slit.density.transform(x)).max() < 1e-11
-    # On the wide zone the potential of a jump of the slope is a series.
+    # On the wide zone, the potential of a jump of the slope is a series. So potentials are
+    # compared off the wide zone.
     off = x[[0, 1, 6, 7]]
     assert np.abs(plain.density.potential(off) - slit.density.potential(off)).max() < 1e-15
-    # One that is not declared would be within the wide zone, as it is not in the zones by
-    # themselves.
+    # If only one of the two jumps is declared, the other one would be a jump inside the wide
+    # zone, and no slit is made. Without slits the zones do not contain the gap, so both jumps
+    # are outside.
     jumps = forcing.jumps
     for some in ([0], [1]):
         less = sie.Forcing(
@@ -170,9 +181,10 @@ def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel)
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-5])
-def test_the_gap_over_a_kink_opens_by_no_more_than_its_own_slopes(gap):
-    """Between the two pieces the gap starts and ends at zero, its slope jumps by the kink and is s
-    + g there.
+def test_the_opening_of_a_slit_with_a_kink_is_the_integral_of_its_slope(gap):
+    """The slope s of the gap, `slack`, integrates to zero over the slit, so the opening is zero
+    at both ends of the slit. At the kink s jumps as the right side g does. On the slit
+    T phi = g - s.
     """
     kink = -0.03 + 0.3 * gap
     problem = equation(sie.cauchy(), (kink, -0.7))
@@ -187,14 +199,14 @@ def test_the_gap_over_a_kink_opens_by_no_more_than_its_own_slopes(gap):
     opening = slit.density.opening(x)[1]
     rule = np.array([_integral(slit.density.slack, a, x_i, kink) for x_i in x])
     assert opening == pytest.approx(rule, abs=1e-6 * gap)
-    # Below the slit the equation is that of the body: the transform is g - s.
+    # On the slit the equation is T phi = g - s.
     assert slit.density.transform(x) == pytest.approx(
         problem.forcing.value(x) - slit.density.slack(x), abs=1e-9
     )
 
 
 def _integral(function, a, b, kink):
-    """By Gauss's rule in the angle, to both sides of the kink."""
+    """The integral of a function from a to b by Gauss's rule in the angle, split at the kink."""
     nodes, weights = np.polynomial.legendre.leggauss(400)
     cuts = [a, *([kink] if kink < b else []), b]
     total = 0.0
@@ -230,7 +242,7 @@ def test_a_period_is_cut_where_its_gap_is_widest():
         assert plain.density.at_t(piece, T) == pytest.approx(slit.density.at_t(piece, T), rel=1e-10)
 
 
-def test_what_a_slit_does_off_it_is_a_cauchy_integral():
+def test_the_field_of_a_slit_at_points_off_the_slit_is_a_cauchy_integral():
     d = np.array([0.3, -0.2, 0.5])
     theta = (np.arange(400) + 0.5) * np.pi / 400
     for z in (1.2, -3.0):
@@ -242,7 +254,9 @@ def test_what_a_slit_does_off_it_is_a_cauchy_integral():
 
 @pytest.mark.parametrize("period", [None, 1.0])
 def test_cost_does_not_grow_as_the_gap_narrows(period):
-    """Unknowns of the wide zones and modes of the slit, for gaps of 1e-3 ... 1e-7 of a width."""
+    """The number of unknowns of the wide zones plus the number of modes of the slit is the same
+    for gaps of 1e-3 to 1e-7 of a zone's width.
+    """
     kernel = sie.cauchy() if period is None else sie.hilbert(period)
     sizes = []
     for gap in 10.0 ** -np.arange(3, 8):
@@ -257,8 +271,9 @@ def test_cost_does_not_grow_as_the_gap_narrows(period):
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
 @pytest.mark.parametrize("period", [None, 1.0])
 def test_newton_finds_designed_ends_across_a_narrow_gap(gap, period):
-    """What a gap lowers the pressure by is gap^2 of it: rounding of that moves its ends by eps /
-    gap of a width.
+    """A gap lowers the pressure around it by a fraction of about gap^2, with the gap in widths
+    of a zone. Round-off in the pressure therefore moves the ends of the gap by eps / gap of a
+    width.
     """
     designed = design([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]], 2.0, 1.0, period)
     kernel = sie.cauchy() if period is None else sie.hilbert(period)
@@ -280,9 +295,9 @@ def test_newton_finds_designed_ends_across_a_narrow_gap(gap, period):
 
 
 @pytest.mark.parametrize("gap", [1e-3, 0.1])
-def test_how_the_density_follows_an_end_is_seen_of_all_its_ripples(gap):
-    """Two packets of some eight ripples, with a slit between the zones and without: from the
-    definition, at many angles.
+def test_the_sensitivity_to_motions_of_ends_includes_all_ripples_of_the_density(gap):
+    """`sensitivity` agrees with its definition, evaluated at 20,000 angles. The profile has two
+    packets of about eight ripples. Between the zones is a slit (gap 1e-3) or a wide gap (0.1).
     """
     designed, packets = (
         design([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]], 2.0, 1.0),
@@ -325,7 +340,9 @@ def test_how_the_density_follows_an_end_is_seen_of_all_its_ripples(gap):
 
 
 def many(first, second):
-    """An equation on a period, and zones of which two gaps are narrow."""
+    """A periodic equation, and 24 zones of which two gaps are narrow, of the widths `first` and
+    `second`.
+    """
     rng = np.random.default_rng(3)
     table = np.cumsum(rng.uniform(0.5, 1.5, 48)).reshape(24, 2) / 60
     table[5, 0], table[17, 0] = table[4, 1] + first, table[16, 1] + second
@@ -338,10 +355,10 @@ def many(first, second):
     ), sie.Zones.of(table)
 
 
-def test_a_solution_with_more_modes_starts_from_what_slits_bend_beyond_those_of_the_last_one(
-    monkeypatch,
-):
-    """They bend their zone far beyond what the distance of other zones asks for."""
+def test_the_first_guess_for_more_modes_includes_the_high_coefficients_due_to_slits(monkeypatch):
+    """Slits add coefficients to their wide zones far beyond the modes that the distance of other
+    zones requires. The first guess from a solution with few modes contains these coefficients.
+    """
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     problem, zones = many(3e-4, 3e-4)
     few, more = (solve_zones(problem, zones, tolerance) for tolerance in (1e-5, 1e-12))
@@ -350,7 +367,9 @@ def test_a_solution_with_more_modes_starts_from_what_slits_bend_beyond_those_of_
 
 
 def test_many_zones_by_fast_sums_have_the_same_slits(monkeypatch):
-    """Without a matrix, from the same profile and zones."""
+    """The iterative solution without a matrix agrees with that by a matrix, for the same
+    equation and zones.
+    """
     problem, zones = many(1e-5, 1e-6)
     direct = solve_zones(problem, zones)
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
@@ -377,8 +396,9 @@ def test_totals_of_pieces_add_up_where_the_ends_are_no_solution_and_the_density_
 def test_zones_far_from_the_origin_keep_the_digits_that_their_places_lose(
     monkeypatch, most, resolution
 ):
-    """Moved by 4096 a zone of 1e-7 is told by its place to 1e-5 of it: what that has cut off is
-    kept, in slits and in far sums too.
+    """At the distance 4096 from the origin, the ends of a zone of the width 1e-7 have a
+    round-off of 1e-5 of this width. `Zones.rest` has the digits that are lost, and slits and
+    fast sums use them. Without these digits (`cut`) the intensities are wrong by more than 1e-7.
     """
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=most))
     table = np.cumsum(np.random.default_rng(3).uniform(0.5, 1.5, 48)).reshape(24, 2) / 60
