@@ -14,7 +14,7 @@ ORDERS = [0, 1, 2]
 
 
 def slit_kink(order: int, seed: int) -> tuple[SlitKink, float, float, float]:
-    """(a jump in a slit, middle and half width of this, the jump's place in it)."""
+    """(jump in a slit, middle m and half width r of the slit, position zeta of the jump in it)."""
     rng = np.random.default_rng(seed)
     m = float(rng.uniform(-0.95, 0.95))
     r, zeta = float(10 ** rng.uniform(-3, -1.4) * (1 - abs(m))), float(rng.uniform(-0.9, 0.9))
@@ -27,8 +27,10 @@ def slit_kink(order: int, seed: int) -> tuple[SlitKink, float, float, float]:
 
 
 def quadrature(one: SlitKink, m: float, r: float, zeta: float, z: float) -> float:
-    """(1/pi) PV int psi X / (t - tau) dtau at t = m + r z, in angles, the value at t taken out on
-    the slit.
+    """(1/pi) PV int psi X / (t - tau) dtau at t = m + r z, by quadrature over an angle.
+
+    psi is `slope`, and X = sqrt(1 - tau^2). If t lies on the slit, the value of psi X at t is
+    subtracted from psi X, and its principal value is added in closed form.
     """
 
     def weighted(place: float) -> float:
@@ -52,7 +54,7 @@ def quadrature(one: SlitKink, m: float, r: float, zeta: float, z: float) -> floa
 
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("seed", [1, 2])
-def test_what_a_jump_and_its_release_make_of_the_density_is_the_quadrature(
+def test_the_density_due_to_a_jump_and_its_slope_in_the_slit_is_that_by_quadrature(
     order: int, seed: int
 ) -> None:
     one, m, r, zeta = slit_kink(order, seed)
@@ -98,7 +100,7 @@ def test_the_opening_is_the_integral_of_the_slope(order: int) -> None:
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_beside_the_ends_of_its_zone_it_goes_with_the_angle(order: int) -> None:
+def test_edge_slopes_are_the_derivatives_of_the_density_by_the_angle(order: int) -> None:
     one, m, r, _ = slit_kink(order, 4)
     e = 1e-8
     for side, slope in zip((-1.0, 1.0), one.edge_slopes, strict=True):
@@ -112,7 +114,9 @@ def test_beside_the_ends_of_its_zone_it_goes_with_the_angle(order: int) -> None:
 
 @pytest.mark.parametrize("kink", [None, 0.5, -0.3])
 def test_integrals_up_to_a_point_agree_with_and_without_slits(kink: float | None) -> None:
-    """The total of both pieces is the given one, and integrals are those of separate zones."""
+    """The total is the given one. Integrals up to a point are the same with a slit and with
+    separate zones.
+    """
     jumps = sie.Jumps() if kink is None else sie.Jumps([kink], [2.0])
     s = 0.0 if kink is None else kink
     height = 0.0 if kink is None else 1.0

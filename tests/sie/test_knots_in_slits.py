@@ -1,5 +1,5 @@
-"""Knots of a spline in a narrow gap between intervals of hundreds of knots: the slit's series falls
-to rounding all the same.
+"""Knots of a spline in a slit between two intervals with hundreds of knots. The series in the
+slit decays to round-off all the same.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import sie
 
 @pytest.fixture(scope="module")
 def state() -> sie.AnyState:
-    """Two intervals of 450 knots each, three knots in the gap between them, which is a slit."""
+    """A solution on two intervals with 450 knots each; two knots lie in the slit between them."""
     rng, n = np.random.default_rng(3), 960
     at = np.arange(n) + rng.uniform(-0.3, 0.3, n)
     g = BSpline(at, rng.normal(size=n - 3), 2)
@@ -29,7 +29,7 @@ def state() -> sie.AnyState:
 
 def test_the_error_stated_is_that_of_rounding(state: sie.AnyState) -> None:
     assert isinstance(state.density, sie.SlitDensity)
-    assert len(state.density.jumps) == 1  # where the two pieces of what the spline leaves meet
+    assert len(state.density.jumps) == 1  # the jump that `ConjugateSpline.inside` adds
     assert state.density_error < 1e-10
 
 

@@ -1,5 +1,5 @@
-"""Tables of a smooth kernel over its lag, and the modes and nodes that its declared length asks
-for.
+"""Tables of a smooth kernel of the lag x - xi, and the modes needed by a kernel of a declared
+length.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ def test_a_table_gives_the_kernel_to_rounding(length):
     assert np.abs(table(lag) - kernel(lag, 0.0)).max() < 4e-15 / length
 
 
-def test_a_kernel_that_varies_over_less_than_it_declares_has_no_table():
+def test_a_kernel_that_varies_over_less_than_its_declared_length_has_no_table():
     assert LagTable.of(lambda x, xi: 1 / ((x - xi) ** 2 + 1e-4), 2.0, 1.0) is None
 
 

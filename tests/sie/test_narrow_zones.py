@@ -1,4 +1,6 @@
-"""What neighbours do to a small zone, zones in doubt, and places known beyond their last digit."""
+"""Narrow zones: the influence of their neighbours, zones that vanish or merge in a search, and
+the round-off of positions in them.
+"""
 
 import mpmath
 import numpy as np
@@ -22,14 +24,14 @@ def equation(problem):
 
 
 class TestBetweenNeighbours:
-    """Wide zones held at their levels, and what a small zone between them feels; solved, against
-    the closed forms.
+    """Wide zones at given potentials with a narrow zone between them, against closed forms for
+    two half-lines and a point.
     """
 
     LONG, SMALL = 4000.0, 1e-4
 
     def levels(self, zones, heights):
-        """The density of zones at given potentials, alone in the plane."""
+        """The density of isolated zones with the given potentials `heights`."""
         edges = 0.5 * (zones[:-1, 1] + zones[1:, 0])
         forcing = sie.Forcing(
             lambda x: 0 * x, lambda x: np.asarray(heights)[np.searchsorted(edges, x)]
@@ -40,18 +42,18 @@ class TestBetweenNeighbours:
         ).density
 
     @pytest.mark.parametrize("left, right", [(1.0, 1.0), (0.3, 2.0), (5.0, 0.7)])
-    def test_conformal_radius_is_what_a_load_between_feels(self, left, right):
+    def test_the_load_of_a_narrow_zone_follows_from_the_conformal_radius(self, left, right):
         w = self.SMALL
         zones = np.array([[-left - self.LONG, -left], [-w, w], [right, right + self.LONG]])
         density = self.levels(zones, [0.0, 1.0, 0.0])
-        # c_0 w log(w / 2R) is the potential, 1.
+        # The potential on the narrow zone is c_0 w log(w / 2R) = 1.
         radius = 0.5 * w * np.exp(-1 / (w * density.coefficients[1, 0]))
         assert radius == pytest.approx(
             float(conformal_radius(np.array(left), np.array(right))), rel=3e-3
         )
 
     @pytest.mark.parametrize("left, right", [(1.0, 1.0), (0.3, 2.0), (5.0, 0.7)])
-    def test_what_is_felt_is_the_harmonic_measure(self, left, right):
+    def test_weights_of_the_neighbours_potentials_are_harmonic_measures(self, left, right):
         zones = np.array([[-left - self.LONG, -left], [right, right + self.LONG]])
         potential = float(self.levels(zones, [1.0, -1.0]).potential(0.0))
         of_left, of_right = felt(np.array(left), np.array(right))
@@ -60,9 +62,7 @@ class TestBetweenNeighbours:
 
 
 class TestPlacesBeyondTheLastDigit:
-    """A zone a hundred millionth wide, far from the origin: its nodes are rounded to a hundred
-    millionth of it.
-    """
+    """A zone of the width 1e-8 at 0.3. The round-off of its nodes is about 1e-8 of this width."""
 
     WAVE = 3e7
 
@@ -71,7 +71,7 @@ class TestPlacesBeyondTheLastDigit:
         return sie.Zones.of([[a, a + 1e-8]])
 
     def exact(self, n):
-        """U coefficients of sin(WAVE x) from nodes in long precision."""
+        """U coefficients of sin(WAVE x) from nodes with 40 digits."""
         zones = self.zones()
         with mpmath.workdps(40):
             middle = (mpmath.mpf(zones.a[0]) + mpmath.mpf(zones.b[0])) / 2
@@ -99,7 +99,7 @@ class TestPlacesBeyondTheLastDigit:
         return sampled.coefficients[0, 1:]
 
     def value(self, x):
-        # To all digits at the place given: sin of a product of doubles in long precision.
+        # The sine of WAVE times the given double, computed with 40 digits.
         with mpmath.workdps(40):
             return np.array(
                 [float(mpmath.sin(self.WAVE * mpmath.mpf(place))) for place in np.ravel(x)]
@@ -115,13 +115,17 @@ class TestPlacesBeyondTheLastDigit:
         error = np.abs(self.found(sie.Forcing(self.value), n) - self.exact(n)).max()
         assert error < 1e-14
 
-    def test_without_it_the_rounding_of_places_is_seen(self, monkeypatch):
+    def test_without_the_correction_the_round_off_of_nodes_changes_the_coefficients(
+        self, monkeypatch
+    ):
         monkeypatch.setattr(modes, "SUM_ROUNDING", np.inf)
         error = np.abs(self.found(sie.Forcing(self.value)) - self.exact(16)).max()
         assert error > 1e-10
 
-    def test_a_function_that_rounds_its_places_says_so(self):
-        """Evaluated where x is kept to single-precision steps of its own, and told so."""
+    def test_a_function_that_rounds_its_places_must_declare_it(self):
+        """The function is evaluated at x rounded to multiples of `step`. With `rounded_place`,
+        the coefficients are corrected for this rounding; without it, they are wrong.
+        """
         step = 2.0**-52
 
         def placed(x):
@@ -144,9 +148,10 @@ def test_a_narrow_zone_where_none_belongs_shrinks_away_without_a_division_by_its
     assert list(sie.find_ends(equation(problem), sie.Zones.of(table), 1e-10).lost) == [3]
 
 
-def test_zones_in_doubt_are_dropped_or_joined_on_the_way_and_the_rest_is_as_without_them():
-    """A row of bumps; between two of them a zone where nothing touches, and one zone proposed as
-    two that meet.
+def test_wrong_zones_of_a_first_guess_are_dropped_or_merged():
+    """The first guess for a row of bumps has a zone between two bumps, where nothing touches, and
+    a gap inside the contact of another bump. With `allow_loss` the search drops the zone and
+    closes the gap. It finds the same ends as from the right number of zones.
     """
     wave = sie.Forcing(
         lambda x: np.sin(2 * np.pi * x), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi)

@@ -1,5 +1,5 @@
-"""What a user may write in more than one way is taken, what cannot be meant is refused in the
-engine's own words, on every route.
+"""User input: each way to write it is accepted, wrong input is refused with a message of the
+engine, and data may have any size on every route to a solution.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ X = np.linspace(0.35, 0.95, 7)[:, None]
 # ---------------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("size", [2.0**664, 2.0**-664], ids=["large", "small"])
 @pytest.mark.parametrize("route", ROUTES)
-def test_a_problem_times_a_number_has_the_density_times_it_and_the_same_ends_and_error(route, size):
+def test_scaled_data_scale_the_density_and_keep_the_ends_and_the_error(route, size):
     tol = 1e-8
     one, many = (sie.solve(*ROUTES[route](a)[:2], tol, **ROUTES[route](a)[2]) for a in (1.0, size))
     width = np.diff(one.zones.table)
     assert np.abs(many.zones.table - one.zones.table).max() <= 10 * tol * width.max()
-    # A power of two changes no rounding.
+    # Scaling by a power of two does not change the round-off.
     assert many.error == pytest.approx(one.error, rel=1e-6, abs=1e-13)
     scale = np.abs(one.density.totals).max() + one.state.size
     assert np.abs(many.density.totals / size - one.density.totals).max() <= 10 * tol * scale
 
 
 @pytest.mark.parametrize("size", [1e200, 1e-200])
-def test_columns_of_any_size_are_solved_with(size):
+def test_columns_may_have_any_size(size):
     equation, zones, _ = ROUTES["column"](1.0)
     large = replace(equation, columns=(lambda x: size / (x * x + 2),))
     one, other = sie.solve(equation, zones), sie.solve(large, zones)
@@ -77,7 +77,7 @@ def test_smooth_kernels_add_and_scale_like_the_functions_that_they_are(kernel, r
     assert kernel.regular(X, X.T) == pytest.approx(rest(X, X.T))
 
 
-def test_what_is_declared_of_smooth_kernels_is_kept_where_it_holds_for_both():
+def test_a_sum_of_smooth_kernels_keeps_the_declarations_that_hold_for_both():
     assert (OF_LAG - 2 * OF_LAG).of_lag and not (OF_LAG + OF_BOTH).of_lag
     assert (OF_LAG + OF_BOTH).potential is None and (OF_BOTH - 2 * OF_BOTH).potential(
         X, X.T
@@ -171,7 +171,7 @@ def test_one_height_or_order_stands_for_all_places():
         (partial(sie.Forcing, np.sin), {"resolution": 0.1}, "resolution must be a sie.Resolution"),
     ],
 )
-def test_what_is_declared_wrongly_is_refused_by_name(make, options, message):
+def test_wrong_declarations_are_refused_by_name(make, options, message):
     with pytest.raises(ValueError, match=message):
         make(**options)
 
@@ -240,7 +240,7 @@ def test_a_function_that_takes_numbers_only_is_named():
     [ONE, TWO, sie.Zones.of([[i, i + 0.5] for i in range(50)], sie.SINGULAR, sie.SINGULAR)],
     ids=len,
 )
-def test_claims_that_do_not_hold_are_named_and_true_ones_are_believed(zones):
+def test_false_claims_are_refused_and_true_ones_accepted(zones):
     def solve(kernel=None, conditions=(), columns=()):
         return sie.solve(
             sie.Equation(
@@ -268,7 +268,7 @@ def test_claims_that_do_not_hold_are_named_and_true_ones_are_believed(zones):
     )
 
 
-def test_claims_are_believed_of_narrow_zones_far_from_the_origin():
+def test_true_claims_are_accepted_for_narrow_zones_far_from_the_origin():
     zones = sie.Zones.of([[1e6, 1e6 + 1e-3], [1e6 + 2e-3, 1e6 + 3e-3]], sie.SINGULAR, sie.SINGULAR)
     kernel = sie.cauchy() + sie.Smooth(lambda x, xi: 1e3 * np.sin(1e3 * (x - xi)), of_lag=True)
     conditions = (

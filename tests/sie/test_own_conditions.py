@@ -1,5 +1,5 @@
-"""Side conditions in every form an equation is solved in: none at all, a user's own, and what their
-rounding does.
+"""Side conditions: equations without any, a user's own conditions in each method of solution, and
+the effect of round-off in conditions.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,7 @@ ROW = np.array([[2.0 * i, 2.0 * i + 1.2 + 0.05 * (i % 3)] for i in range(12)])
 
 @dataclass(frozen=True)
 class SameLevel(Condition):
-    """Two of the zones are at one level."""
+    """Condition: the zones i and j have the same level."""
 
     i: int
     j: int
@@ -42,14 +42,14 @@ class SameLevel(Condition):
 
 @dataclass(frozen=True)
 class Unsaid(SameLevel):
-    """The same by one who has left out to say that it is about potentials."""
+    """The same condition without the declaration `levels`, which says that it needs potentials."""
 
     levels = False
 
 
 @dataclass(frozen=True)
 class SameIntensities(Condition):
-    """The density is as singular at the outer left as at the outer right end."""
+    """Condition: the intensity at the leftmost end equals that at the rightmost end."""
 
     def count(self, zones):
         return 1
@@ -61,7 +61,7 @@ class SameIntensities(Condition):
 
 @dataclass(frozen=True)
 class FirstTotal(Condition):
-    """What the first of the zones bears."""
+    """Condition: the total of the first zone is `value`."""
 
     value: float
 
@@ -97,7 +97,7 @@ def by_matrix_and_by_sums(monkeypatch, equation, zones):
 # Without side conditions: rows of aerofoils with bounded trailing edges
 # -----------------------------------------------------------
 @pytest.mark.parametrize("gap", [0.5, 1e-3])
-def test_zones_without_side_conditions_tell_their_error(gap):
+def test_zones_without_side_conditions_state_their_error(gap):
     table = np.array([[0.0, 1.0], [1.0 + gap, 2.1], [2.1 + gap, 3.0]])
     state = sie.solve_zones(
         sie.Equation(sie.cauchy(), WAVE, ()), sie.Zones.of(table, sie.SINGULAR, sie.BOUNDED)
@@ -111,7 +111,7 @@ def test_zones_without_side_conditions_tell_their_error(gap):
 
 @pytest.mark.parametrize("sides", ["right", "mixed", "symmetric"])
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(30.0)], ids=["line", "period"])
-def test_held_ends_are_solved_by_fast_sums_too(monkeypatch, sides, kernel):
+def test_given_bounded_ends_are_solved_by_fast_sums_too(monkeypatch, sides, kernel):
     table, mixed = ROW, np.arange(12) % 3 == 0
     if sides == "symmetric":
         table = ROW - 0.5 * (ROW[0, 0] + ROW[-1, 1])
@@ -124,7 +124,7 @@ def test_held_ends_are_solved_by_fast_sums_too(monkeypatch, sides, kernel):
     assert difference(direct, iterated) < min(1e-12, direct.density_error + iterated.density_error)
 
 
-def test_what_is_too_large_for_a_matrix_and_has_no_fast_sums_is_refused_by_name(monkeypatch):
+def test_a_system_too_large_for_a_matrix_and_without_fast_sums_is_refused_by_name(monkeypatch):
     options = SolveOptions(min_fast_unknowns=10, max_matrix_unknowns=100)
     monkeypatch.setattr("sie.states.solve.OPTIONS", options)
     both = [sie.Total(1.0)] + [sie.Weighted(lambda x, k=k: x**k, 0.0) for k in range(1, 12)]
@@ -172,8 +172,8 @@ def test_a_condition_of_ones_own_holds_by_matrix_and_by_fast_sums(monkeypatch, n
 @pytest.mark.parametrize("condition", [SameIntensities(), FirstTotal(0.2)])
 @pytest.mark.parametrize("gap", [0.1, 0.02, 1e-3])
 def test_a_condition_of_ones_own_holds_whatever_the_width_of_a_gap(condition, gap):
-    """On the zone that spans a narrow gap there is no first zone of two; what the outer ends do
-    hardly knows of the gap.
+    """If a narrow gap were treated as a slit in one wide zone, there would be no first zone. So
+    with a user's condition no gap is treated as a slit.
     """
     zones = sie.Zones.of(
         [[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.FREE], [sie.FREE, sie.SINGULAR]
@@ -196,7 +196,7 @@ def test_a_condition_of_ones_own_holds_whatever_the_width_of_a_gap(condition, ga
 # ------------------------------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class EveryZone(Condition):
-    """What `told` makes of the system, as many rows as there are zones, less `fewer`."""
+    """Condition whose rows are `told`(system): as many as there are zones, less `fewer`."""
 
     told: Callable[[sie.Rows], tuple[np.ndarray, np.ndarray]]
     value: float = 0.1
@@ -211,7 +211,7 @@ class EveryZone(Condition):
 
 
 def sprung(system):
-    """Zones on springs: a level, and a part of what the zone bears."""
+    """Rows for zones on springs: the level of each zone plus a factor times the zone's total."""
     both = zip(system.levels(), system.totals(), strict=True)
     stiff = 1 + 0.2 * np.arange(len(system.totals()[1]))
     return tuple(level + (stiff * total.T).T for level, total in both)
@@ -253,7 +253,7 @@ def test_a_condition_of_ones_own_on_every_zone_holds_by_matrix_and_by_fast_sums(
     assert iterated.sizes.iterations < 40
 
 
-def test_what_a_condition_asks_of_every_zone_is_found_by_trial():
+def test_coefficients_of_a_condition_for_every_zone_are_found_by_trial_values():
     zones = sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR)
     half = zones.half
     totals, springs, steps = (
@@ -280,7 +280,7 @@ def test_what_a_condition_asks_of_every_zone_is_found_by_trial():
 
 @pytest.mark.parametrize("count", [40, 160])
 def test_many_zones_under_a_condition_of_ones_own_take_no_more_iterations(count):
-    """Counted: as many as under the engine's own, whatever the number of zones, and no matrix."""
+    """A user's condition takes as many iterations as `ZoneTotals`, for any number of zones."""
     first = np.arange(count) + 0.1 * np.random.default_rng(2).random(count)
     zones = sie.Zones.of(np.column_stack((first, first + 0.7)), sie.SINGULAR, sie.SINGULAR)
     made = []
@@ -295,7 +295,7 @@ def test_many_zones_under_a_condition_of_ones_own_take_no_more_iterations(count)
 
 @dataclass(frozen=True)
 class Wrong(Condition):
-    """Rows that are not as many as it counts, or that are not three things."""
+    """Condition whose `rows` do not fit its `count`, or have a wrong form."""
 
     given: object
 
@@ -347,9 +347,12 @@ def test_zone_totals_of_a_wrong_length_and_columns_that_are_not_there_are_refuse
 # ------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("gap", [1e-1, 1e-2, 3e-3])
 def test_rounding_of_the_side_conditions_is_in_the_stated_error(gap):
-    """Bounded at a gap and singular outside, with one level and a constant: the narrower the gap,
-    the less the level tells. What only rounding sees, a constant of the primitive and the unit of
-    the logarithm, changes the density by less than is stated.
+    """Zones with bounded ends at a gap and singular outer ends share a level; a constant on the
+    right side is unknown.
+
+    The narrower the gap, the worse the conditioning. A constant of the primitive and the datum of
+    the logarithm change the density by round-off only. This change is bounded by the stated
+    error.
     """
     zones = sie.Zones.of(
         [[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.BOUNDED], [sie.BOUNDED, sie.SINGULAR]
@@ -366,16 +369,16 @@ def test_rounding_of_the_side_conditions_is_in_the_stated_error(gap):
     found = max(difference(states[0], other) for other in states[1:])
     stated = max(state.density_error for state in states)
     assert found < 2 * stated
-    # Rounding times about one over the gap squared; a bound that says nothing would be no use
-    # either.
+    # The error is about round-off / gap^2. A stated error much above it would be useless.
     assert stated < 1e-13 / gap**2
     if gap <= 1e-2:
         assert found > 1e-12
 
 
 def test_high_modes_keep_the_digits_of_their_angles():
-    """sin(k theta) and cos(l theta) of a whole number of turns and a part: 1e-14 if the angle were
-    multiplied as rounded.
+    """Whole turns are removed from the angles k theta in integer arithmetic.
+
+    With the rounded product k theta, the sines and cosines would have errors of 1e-14.
     """
     n = 90
     with mpmath.workdps(30):
@@ -391,7 +394,7 @@ def test_high_modes_keep_the_digits_of_their_angles():
             assert chebyshev.t_matrix(200, 100)[j, k] == pytest.approx(float(cosine), abs=5e-16)
 
 
-def test_an_iteration_that_does_not_come_to_rest_is_the_reason_told(monkeypatch):
+def test_an_iteration_that_does_not_converge_is_the_reason_reported(monkeypatch):
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=1))
     monkeypatch.setattr(
         "sie.fast.iteration.gmres", lambda apply, b, tolerance: gmres(apply, b, tolerance, 2)
@@ -401,7 +404,7 @@ def test_an_iteration_that_does_not_come_to_rest_is_the_reason_told(monkeypatch)
         sie.solve(charge, sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR))
 
 
-def test_an_intensity_at_ends_that_do_not_move_is_met_by_fast_sums_too(monkeypatch):
+def test_a_given_intensity_at_given_ends_is_satisfied_by_fast_sums_too(monkeypatch):
     zones = sie.Zones.of(ROW, sie.SINGULAR, sie.End(moves=False, intensity=0.2))
     direct, iterated = by_matrix_and_by_sums(
         monkeypatch, sie.Equation(sie.cauchy(), WAVE, ()), zones
@@ -414,7 +417,7 @@ def test_an_intensity_at_ends_that_do_not_move_is_met_by_fast_sums_too(monkeypat
 def test_the_same_condition_of_ones_own_serves_a_matrix_fast_sums_and_narrow_gaps(
     monkeypatch, name
 ):
-    """Beside a gap of a thousandth, where the engine's own conditions are solved with slits."""
+    """One gap is 1e-3 wide. With the engine's own conditions it is treated as a slit."""
     table = ROW.copy()
     table[5:] -= table[5, 0] - table[4, 1] - 1e-3
     zones = sie.Zones.of(table)

@@ -1,6 +1,4 @@
-"""Jumps of many zones, pair by pair with the points of all of them: each zone has what it has by
-itself.
-"""
+"""Jumps in many zones, evaluated at points of all zones at once, give the same as zone by zone."""
 
 import numpy as np
 import pytest
@@ -12,8 +10,8 @@ from sie.jumps.right_side import ForcingJumps
 
 
 def drawn(orders, of_density=False):
-    """Jumps of these orders in 200 zones, some of them with none, some with so many that their
-    series is longer.
+    """(random generator, zones, jumps): random jumps of the given orders in 200 zones. Some zones
+    have no jump; zones 7 and 60 have so many that their series are longer.
     """
     rng = np.random.default_rng(3)
     edges = np.sort(rng.random(400)).reshape(-1, 2)
@@ -31,12 +29,14 @@ def drawn(orders, of_density=False):
 
 
 def alone(jumps, zone):
-    """Those of one zone."""
+    """The jumps of one zone."""
     return jumps.chosen(jumps.zone == zone)
 
 
 def points(rng, on):
-    """(zone, points seen from it) on zones or off them, some of zones without jumps."""
+    """(zones, points relative to them), on the zones if `on`, else off them. Some zones have no
+    jumps.
+    """
     zone = np.concatenate((rng.integers(0, 200, 500), np.repeat([7, 60], 100)))
     left = (
         rng.uniform(0, 2, 700)
@@ -57,7 +57,7 @@ def one_by_one(zone, of):
 
 @pytest.mark.parametrize("orders", [(2,), (0, 1, 2)])
 class TestJumpsOfTheRightSide:
-    def test_have_the_density_and_add_what_those_of_each_zone_do(self, orders):
+    def test_density_and_smooth_part_are_those_of_each_zone_alone(self, orders):
         rng, _, jumps = drawn(orders)
         zone, seen = points(rng, on=True)
         wanted = one_by_one(
@@ -81,9 +81,7 @@ class TestJumpsOfTheRightSide:
         )
 
     @pytest.mark.parametrize("on", [True, False])
-    def test_are_seen_from_afar_and_have_the_potentials_that_those_of_each_zone_have(
-        self, orders, on
-    ):
+    def test_transform_and_potential_are_those_of_each_zone_alone(self, orders, on):
         rng, _, jumps = drawn(orders)
         zone, seen = points(rng, on)
         for of in ("transform", "sharp_potential"):
@@ -97,7 +95,7 @@ class TestJumpsOfTheRightSide:
                 atol=1e-14 * np.abs(wanted).max(),
             )
 
-    def test_are_seen_by_their_series_as_by_closed_forms(self, orders):
+    def test_series_off_the_zone_agree_with_closed_forms(self, orders):
         _, _, jumps = drawn(orders)
         for zone, reach in ((7, 0.6), (60, 0.87)):
             rho = np.array([-1.0, 1.0]) * (reach - 1e-9)
@@ -118,9 +116,9 @@ class TestJumpsOfTheRightSide:
 
 @pytest.mark.parametrize("orders", [(1, 2), (0, 2)])
 @pytest.mark.parametrize("on", [True, False])
-def test_jumps_of_the_density_are_what_those_of_each_zone_are(orders, on):
+def test_jumps_of_the_density_give_the_same_as_zone_by_zone(orders, on):
     rng, zones, jumps = drawn(orders, of_density=True)
-    # Logarithms beside a zone are its own too.
+    # The logarithms that jumps cause in neighbouring zones are left out here.
     jumps = DensityJumps(jumps.zone, jumps.left, jumps.right, jumps.height, jumps.order)
     zone, seen = points(rng, on)
     wanted = one_by_one(zone, lambda i, here: alone(jumps, i).transform(zone[here], seen[here]))

@@ -1,5 +1,5 @@
-"""Smooth kernels of the lag on panels: the same sums as by the kernel itself, whatever the number
-of zones, and beside slits.
+"""Fast sums of smooth kernels, by panels or a skeleton, are those of the kernel itself, for few
+and many zones and beside slits.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ PERIOD = 2.5
 
 
 def kernel(eps, depth, period=None, of_lag=True):
-    """1/r + eps r/(r^2 + depth^2), and the same of all periods."""
+    """1/r + eps r/(r^2 + depth^2), r = x - xi; with a period, the sum of these over all periods."""
     if period is None:
         smooth = sie.Smooth(
             lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2),
@@ -82,12 +82,12 @@ def test_sums_over_points_are_those_of_the_kernel(depth, period, potential):
     )
 
 
-def test_a_kernel_of_both_places_over_few_zones_and_one_that_varies_over_too_little_have_none():
+def test_which_kernels_have_panels_or_a_skeleton():
     assert panels_over(kernel(0.8, 0.1, of_lag=False), sie.Zones.of(FEW)) is None
     assert isinstance(panels_over(VARIED, sie.Zones.of(scattered(40))), Skeleton)
     assert panels_over(kernel(0.8, 1e-4, of_lag=False), sie.Zones.of(scattered(40))) is None
     assert panels_of(kernel(0.8, 1e-4), -1.0, 1.0) is None
-    assert panels_of(sie.hilbert(PERIOD), -1.0, 1.0) is None  # it is known without
+    assert panels_of(sie.hilbert(PERIOD), -1.0, 1.0) is None  # kernels of the engine need no panels
 
 
 @pytest.mark.parametrize("period", [None, PERIOD])
@@ -107,8 +107,8 @@ def test_a_density_is_the_same_with_panels_and_without(depth, period):
 
 
 @pytest.mark.parametrize("period", [None, PERIOD])
-def test_jumps_and_modes_that_are_no_unknowns_are_seen_by_the_smooth_part(period):
-    # A kink in a zone, and a right side of many more modes than zones far apart have unknowns.
+def test_the_smooth_part_acts_on_jumps_and_on_uncoupled_modes(period):
+    # The right side has a kink in a zone and many more modes than zones have coupled unknowns.
     right = sie.Forcing(
         lambda x: np.sign(x - 0.1) + np.cos(120 * x),
         lambda x: np.abs(x - 0.1) + np.sin(120 * x) / 120,
@@ -124,8 +124,8 @@ def test_jumps_and_modes_that_are_no_unknowns_are_seen_by_the_smooth_part(period
 
 @pytest.mark.parametrize("period", [None, PERIOD])
 def test_a_mode_beyond_the_coupled_ones_acts_through_the_smooth_part(period):
-    # All of the density is T_40 / sqrt(1 - t^2), of no load: the few coupled modes have nothing
-    # that would ask for more of them.
+    # Without the smooth part, the density would be about -T_40 / sqrt(1 - t^2), whose total is zero.
+    # The coupled modes are then zero and do not show that mode 40 matters.
     zones = sie.Zones.of([[-0.3, 0.3]])
     right = sie.Forcing(lambda x: np.sin(40 * np.arccos(x / 0.3)) / np.sqrt(1 - (x / 0.3) ** 2))
     wanted = sie.Equation(kernel(2.0, 0.1, period), right, (sie.Total(0.0),))
@@ -155,7 +155,7 @@ def test_many_zones_are_summed_and_iterated_like_few(period, monkeypatch):
     )
 
 
-def test_a_kernel_is_asked_no_more_often_for_more_zones():
+def test_the_number_of_kernel_values_does_not_grow_with_the_zones():
     def counted(count):
         of, places = kernel(0.8, 0.3), [0]
         regular = of.regular
@@ -171,7 +171,7 @@ def test_a_kernel_is_asked_no_more_often_for_more_zones():
     assert asked[1] <= 2 * asked[0]
 
 
-def test_a_kernel_is_asked_no_more_often_for_points_that_lie_farther_apart():
+def test_the_number_of_kernel_calls_does_not_grow_with_the_spread_of_points():
     of, calls = kernel(0.8, 0.3), [0]
     regular = of.regular_potential
 
@@ -241,7 +241,7 @@ def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(of, at):
     assert one.density_error < 1e-9
 
 
-def test_where_nothing_asks_for_potentials_many_zones_need_none_of_the_kernel(monkeypatch):
+def test_without_conditions_on_potentials_a_kernel_needs_no_potential(monkeypatch):
     zones, without = (
         sie.Zones.of(scattered(34), sie.SINGULAR, sie.SINGULAR),
         replace(VARIED, regular_potential=None),
@@ -259,9 +259,9 @@ def test_where_nothing_asks_for_potentials_many_zones_need_none_of_the_kernel(mo
 
 @pytest.mark.parametrize("count", [3, 31, 32, 60])
 @pytest.mark.parametrize("of_lag", [False, True])
-def test_a_kernel_is_called_where_the_zones_are(count, of_lag):
-    """One of both places on zones alone, one of the lag from the first end to the last: they may
-    mean nothing elsewhere.
+def test_a_kernel_is_called_only_where_it_must_be_defined(count, of_lag):
+    """A kernel of x and xi is called on zones only, a kernel of the lag from the first end to the
+    last. Elsewhere a user's kernel need not be defined.
     """
     table = np.column_stack((np.arange(count) + 0.3, np.arange(count) + 0.9))
 
@@ -297,7 +297,7 @@ def test_a_kernel_of_both_places_is_called_less_often_than_zones_have_pairs_of_n
     assert places[0] < 0.1 * state.system.layout.size**2
 
 
-def test_a_kernel_that_is_zero_has_a_skeleton_that_is():
+def test_a_kernel_that_is_zero_does_not_change_the_density():
     zones = sie.Zones.of(scattered(40))
     nothing = sie.Smooth(lambda x, xi: 0.0 * x * xi)
     one, other = (

@@ -1,5 +1,5 @@
-"""The transform of a piecewise quadratic function: against closed forms in forty digits, and by how
-many jumps a point sees.
+"""The transform of a piecewise quadratic function, against closed forms in forty digits, and the
+number of jumps near a cell.
 """
 
 from __future__ import annotations
@@ -15,12 +15,13 @@ Array = NDArray[np.float64]
 
 
 def drawn(rng: np.random.Generator, ends: Array) -> tuple[Array, Array]:
-    """(pieces of a function that vanishes at both ends with its slope, the jumps of its second
-    derivative at all ends).
+    """(pieces, jumps of the second derivative at all ends) of a random function on the pieces.
+    The function and its slope vanish at the first and the last end.
     """
     step = np.diff(ends)
     bend = rng.standard_normal(len(step))
-    # What a bend makes of the slope and of the value at the last end; two of them undo the rest.
+    # Effect of each piece's second derivative on slope and value at the last end. The first and
+    # the last piece are changed so that both are zero there.
     effect = np.array([step, step * (ends[-1] - ends[1:] + 0.5 * step)])
     some = np.array([0, len(step) - 1])
     bend[some] -= np.linalg.solve(effect[:, some], effect @ bend)
@@ -51,14 +52,14 @@ def exact(ends: Array, pieces: Array, x: float) -> float:
         for a, b, piece in zip(ends[:-1], ends[1:], pieces, strict=True):
             left, length = mpmath.mpf(x) - mpmath.mpf(a), mpmath.mpf(b) - mpmath.mpf(a)
             p0, p1, p2 = (mpmath.mpf(c) for c in piece)
-            # By division of the polynomial of xi - a by x - xi.
+            # In closed form, by division of the piece, a polynomial of xi - a, by x - xi.
             total += (p0 + left * (p1 + left * p2)) * mpmath.log(abs(left / (left - length)))
             total -= (p1 + p2 * left) * length + p2 * length**2 / 2
         return float(total / mpmath.pi)
 
 
 @pytest.mark.parametrize("kind", ["even", "random", "in heaps"])
-def test_a_point_sees_a_dozen_jumps_at_most_and_cells_are_hardly_more_than_pieces(
+def test_at_most_twelve_jumps_are_near_a_cell_and_cells_are_at_most_four_per_piece(
     kind: str,
 ) -> None:
     rng, n = np.random.default_rng(4), 3000

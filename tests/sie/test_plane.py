@@ -1,6 +1,4 @@
-"""A density at complex points: against closed forms in 30 digits, against quadrature, and against
-the line itself.
-"""
+"""A density at complex points, against closed forms, quadrature, and values on the line."""
 
 import math
 
@@ -15,7 +13,7 @@ from sie.slits.system import SlitState, solve_zones
 from tests.sie import exact
 from tests.tiers import diagonal
 
-# 1e-8 from an end, 1e-6 above the zone, on its upper side, far away, in both half planes.
+# Points in both half planes: 1e-8 from an end, 1e-6 from the zone, on the line, and far away.
 PLACES = [
     1.3 + 1e-8j,
     1.3 - 1e-8 + 1e-8j,
@@ -66,7 +64,7 @@ def test_a_singular_end_has_all_its_digits_at_every_distance():
         )
     for got, expected in zip(asked(density, PLACES), closed, strict=True):
         assert_near(got, expected, 4e-15)
-        # One part in 1e12 of the half width farther would be seen.
+    # A relative change of 1e-12 in the distance from the end changes the transform visibly.
     assert abs(density.transform(1.3 + 1.000000000001e-8j) / complex(closed[0][0]) - 1) > 1e-13
 
 
@@ -88,7 +86,7 @@ def test_bounded_ends_of_two_zones_have_the_field_of_the_closed_form():
             assert abs(got - expected) < 1e-10 * abs(expected) + 2e-11
 
 
-def test_the_field_of_a_period_decays_and_its_potential_turns_with_every_period():
+def test_a_periodic_field_has_a_limit_and_its_potential_changes_by_a_constant_per_period():
     form = exact.PeriodicFlat(0.2, 1.0)
     density = solved(form, sie.hilbert(1.0), conditions=(sie.Total(1.0),))
     z = np.array([0.2 + 1e-8j, 0.1 + 1e-6j, 0.3 - 0.2j, -0.4 + 0.7j])
@@ -99,7 +97,7 @@ def test_the_field_of_a_period_decays_and_its_potential_turns_with_every_period(
     turned = density.potential(z + 1.0) - density.potential(z)
     assert (
         np.abs(turned + 1j * np.sign(z.imag))[1:].max() < 1e-13
-    )  # 1e-8 from an end, one period on is rounded to 1e-16
+    )  # z[0] is left out: 1e-8 from an end, the round-off of z[0] + 1 is too large
     assert abs(density.transform(40j) + 1j) < 1e-13  # -i load / L
 
 
@@ -116,8 +114,8 @@ def jumping(kind, kernel, order):
 
 
 def integrated(density, z, kernels):
-    """The integrals over the zone by Gauss's rule, in panels of theta that halve towards the jumps
-    and towards z.
+    """Integrals of the density times each of `kernels` over the zone, by Gauss's rule on panels
+    of theta. The panels become shorter towards the jumps and towards z.
     """
     zones, jumps = density.zones, density.jumps
     w, middle = zones.half[0], zones.middle[0]
@@ -125,7 +123,7 @@ def integrated(density, z, kernels):
     near = np.concatenate([m + s * 0.5 ** np.arange(1, 36) for m in marks for s in (-1, 1)])
     cuts = np.unique(np.concatenate(([0, np.pi], marks, near)))
     cuts = cuts[(cuts >= 0) & (cuts <= np.pi)]
-    # Marks that are one but for rounding leave a panel whose nodes lie on the jump itself.
+    # Two marks that differ by round-off only would make a panel whose nodes lie on the jump.
     cuts = cuts[np.append(True, np.diff(cuts) > 1e-13)]
     nodes, weights = np.polynomial.legendre.leggauss(20)
     half, centre = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
@@ -147,7 +145,7 @@ OF_CAUCHY = (lambda d: 1 / d, lambda d: -1 / d**2, np.log)
         ("exterior logarithms", 0),
     ],
 )
-def test_jumps_do_what_the_integral_says(kind, order):
+def test_fields_of_jumps_are_those_by_quadrature(kind, order):
     density = jumping(kind, sie.cauchy(), order)
     for z in (
         0.31 + 1e-2j,
@@ -162,7 +160,7 @@ def test_jumps_do_what_the_integral_says(kind, order):
         for got, true in zip(asked(density, z), expected, strict=True):
             assert abs(got - true) < 3e-10 * max(
                 abs(true), 0.01
-            )  # the quadrature's nodes lie at rounded angles
+            )  # round-off of the angles of the quadrature
 
 
 @pytest.mark.parametrize(
@@ -171,9 +169,11 @@ def test_jumps_do_what_the_integral_says(kind, order):
 @pytest.mark.parametrize(
     ("kind", "order"), [("forcing jumps", 0), ("density jumps", 0), ("exterior logarithms", 0)]
 )
-def test_sides_of_the_line_have_the_values_on_it(kernel, kind, order):
-    """F is T - i phi on the upper side (Plemelj), the real part of the potential that on the line,
-    and W' = F, F' its slope.
+def test_values_on_both_sides_of_the_line_fit_those_on_the_line(kernel, kind, order):
+    """On the upper side of the line, F = T - i phi (Plemelj), and Re W is the potential on the
+    line.
+
+    Off the line, W' = F, and F' is the derivative of F.
     """
     density = jumping(kind, kernel, order)
     x = np.array([-0.3, 0.1, 0.55, 0.899, 0.93, -0.7])
@@ -201,7 +201,7 @@ def many(kernel, count=80):
 
 
 @pytest.mark.parametrize("what", ["transform", "derivative", "potential"])
-def test_the_tree_adds_up_what_the_zones_do_one_by_one(what):
+def test_the_tree_gives_the_sum_of_the_fields_of_all_zones(what):
     density = many(sie.cauchy())
     rng = np.random.default_rng(6)
     z = rng.uniform(-0.2, 1.2, 60) + 1j * 10.0 ** rng.uniform(-8, 1, 60)
@@ -224,7 +224,7 @@ def test_a_period_of_many_zones_is_the_sum_of_very_many_images():
     z = np.array([0.3 + 1e-3j, 0.7 + 0.4j, -0.1 - 0.05j])
     alone = many(sie.cauchy(), 9)
     images = sum(alone.transform(z - 1.2 * k) for k in range(-400, 401))
-    # The images that are left out amount to -2 (z - xi) / (L^2 (n + 1/2)), but for the cube of n.
+    # The images left out add -2 (z - xi) / (L^2 (n + 1/2)), up to terms of the order n^-3.
     rest = -2 * (z * density.total - density.moment()) / np.pi / 1.44 / 400.5
     assert np.abs(density.transform(z) - images - rest).max() < 1e-8
 
@@ -247,8 +247,8 @@ NEAR_SLITS = [
 @pytest.mark.parametrize(
     ("order", "kernel"), diagonal([None, 0, 1, 2], [sie.cauchy(), sie.hilbert(1.0)])
 )
-def test_intervals_with_slits_are_what_their_zones_are_one_by_one(order, kernel):
-    # One of the second derivative is carried in gaps that are much narrower.
+def test_fields_with_slits_are_those_of_separate_zones(order, kernel):
+    # A slit with a jump of the second derivative must be much narrower (`max_gap_with_jumps`).
     at, jump = (
         np.array([0.0501 if order == 2 else -0.0297]),
         np.array([{0: -2.0, 1: -40.0}.get(order, -3e3)]),
@@ -280,7 +280,7 @@ def test_intervals_with_slits_are_what_their_zones_are_one_by_one(order, kernel)
         assert np.abs(one - other).max() < 3e-11 * np.abs(one).max()
 
 
-def test_a_zone_of_very_many_knots_goes_on_from_the_line():
+def test_fields_of_a_zone_with_very_many_knots_fit_those_on_the_line():
     knots = np.linspace(-0.95, 1.05, 700)
     zones, slope = sie.Zones.of([[-0.5, 0.9]]), 9.0
     values = np.cumsum(np.cumsum(np.sin(slope * knots))) * (knots[1] - knots[0]) ** 2
@@ -327,7 +327,7 @@ def test_the_derivative_of_a_periodic_field_is_that_of_the_closed_form():
     assert np.abs(density.transform_slope(z) / slope - 1).max() < 1e-13
 
 
-def test_points_come_back_in_their_shape_and_nan_stays_nan():
+def test_results_have_the_shape_of_the_points_and_nan_stays_nan():
     density = solved(exact.Flat(1.3, 2.0))
     for got in asked(density, [[1j, complex(np.nan, 1)], [2.0, 3j]]):
         assert got.shape == (2, 2) and np.isnan(got[0, 1]) and np.isfinite(got[1]).all()
@@ -345,7 +345,7 @@ def of_kernel(value, potential=None):
     ).density
 
 
-def test_a_regular_kernel_of_ones_own_is_continued_with_the_rest():
+def test_a_user_s_regular_kernel_is_continued_to_complex_points():
     density = of_kernel(lambda x, xi: np.sin(x - xi), lambda x, xi: -np.cos(x - xi))
     z, h = np.array([0.1 + 0.3j, -0.2 - 0.1j]), 1e-4
     slope = (density.potential(z + h) - density.potential(z - h)) / (2 * h)
@@ -354,7 +354,7 @@ def test_a_regular_kernel_of_ones_own_is_continued_with_the_rest():
         density.transform_slope(z)
 
 
-def test_the_slope_of_a_regular_kernel_of_ones_own_makes_derivatives():
+def test_the_slope_of_a_user_s_regular_kernel_gives_derivatives_of_the_transform():
     parts = (lambda x, xi: np.sin(x - xi), None, lambda x, xi: np.cos(x - xi))
     kernel = sie.hilbert(2.0) + sie.Smooth(*parts)
     equation = sie.Equation(kernel, sie.Forcing(lambda x: x), (sie.Total(1.0),))
@@ -373,7 +373,7 @@ def test_a_regular_kernel_that_is_not_analytic_is_refused():
 
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["line", "period"])
-def test_intervals_with_slits_hold_any_weighted_integral_and_go_on_to_another_value(kernel):
+def test_with_slits_weighted_integrals_are_prescribed_and_changed_to_another_value(kernel):
     forcing = sie.Forcing(lambda x: np.sin(7 * x) + 2 * x, lambda x: x * x - np.cos(7 * x) / 7)
     equations = [
         sie.Equation(
