@@ -1,6 +1,4 @@
-"""Files of traces as instruments, spreadsheets and programs write them: read rightly, or refused
-with both readings.
-"""
+"""Trace files as instruments and spreadsheets write them: read right, or refused with a reason."""
 
 from __future__ import annotations
 
@@ -80,7 +78,7 @@ UM, BOTH = {"units": "um"}, {"units": ["um", "nm"]}
         ),
     ],
 )
-def test_what_can_be_read_in_one_way_is(
+def test_a_file_with_one_possible_reading_is_read(
     tmp_path: Path, content: str | bytes, options: dict, height: float
 ) -> None:
     read = Sampled.from_file(write(tmp_path, content), **options)
@@ -94,7 +92,7 @@ def test_what_can_be_read_in_one_way_is(
 def test_commas_between_columns_and_in_numbers_are_refused_with_both_readings(
     tmp_path: Path, options: dict
 ) -> None:
-    """Read as four columns the heights would be the decimals of the positions."""
+    """If the rows were read as four columns, the heights would be the decimals of the positions."""
     readings = (
         "'0,500,0,250'",
         "0 | 500 | 0 | 250",
@@ -106,7 +104,9 @@ def test_commas_between_columns_and_in_numbers_are_refused_with_both_readings(
     refused(tmp_path, "x,z\n" + content, *readings, **options)
 
 
-def test_whole_numbers_in_three_columns_may_have_decimals_too(tmp_path: Path) -> None:
+def test_whole_numbers_in_three_columns_are_refused_if_a_comma_may_be_a_decimal_mark(
+    tmp_path: Path,
+) -> None:
     rows = "".join(f"{i},{10 * i},{i * i % 7}\n" for i in range(8))
     refused(tmp_path, rows, "0 | 0 | 0", 'decimal = "."', columns=[1, 2])
     with pytest.warns(contact.ModelWarning):
@@ -117,7 +117,7 @@ def test_whole_numbers_in_three_columns_may_have_decimals_too(tmp_path: Path) ->
     refused(tmp_path, rows, "told apart only where every number has decimals", decimal=",")
 
 
-def test_thousands_may_be_decimals(tmp_path: Path) -> None:
+def test_a_comma_that_may_mark_thousands_or_decimals_is_refused(tmp_path: Path) -> None:
     rows = "".join(f"1,{100 + i};{i % 3}\n" for i in range(8))
     refused(tmp_path, rows, "'1,100' can be read as 1.100 or as 1100", 'decimal = ","')
     assert Sampled.from_file(write(tmp_path, rows), units="um", decimal=",").x[0] == pytest.approx(
@@ -135,10 +135,13 @@ def test_separated_thousands_are_refused(tmp_path: Path, form: str, decimal: str
 
 
 @pytest.mark.parametrize("regrid", [None, True])
-def test_thousands_between_which_and_columns_is_the_same_comma_are_refused(
+def test_the_same_comma_between_thousands_and_between_columns_is_refused(
     tmp_path: Path, regrid: bool | None
 ) -> None:
-    """Read as columns the positions are 1, 1, 1, ... 2, 2, which rounding might explain."""
+    """If the commas separated columns, the positions would be 1, 1, 1, ... 2, 2.
+
+    Such positions might be taken for rounded ones.
+    """
     rows = "".join(f"{1000 + 20.5 * i:,.1f},{i % 7}\n" for i in range(80))
     refused(tmp_path, rows, "'000.0' in '1,000.0,0'", units="um", columns=[0, 1], regrid=regrid)
     refused(tmp_path, "".join(f"{i},{i % 7:02}\n" for i in range(8)), "'00' in '0,00'", units="um")
@@ -225,7 +228,7 @@ def test_units_that_contradict_the_header_are_refused(
         ("0.5,1.2\n", "no two rows of numbers"),
     ],
 )
-def test_a_file_that_is_no_table_of_a_trace_is_refused_by_what_it_is(
+def test_a_file_that_is_no_table_of_a_trace_is_refused_with_the_reason(
     tmp_path: Path, content: str | bytes, word: str
 ) -> None:
     refused(tmp_path, content, word, units="um")
@@ -233,7 +236,9 @@ def test_a_file_that_is_no_table_of_a_trace_is_refused_by_what_it_is(
 
 @pytest.mark.parametrize("field", ["decimal", "delimiter", "pitch"])
 @pytest.mark.parametrize("bad", ["x", 3.5j, [","], True, float("nan"), ""], ids=repr)
-def test_options_of_the_layout_are_refused_by_name(tmp_path: Path, field: str, bad: object) -> None:
+def test_bad_options_of_the_layout_are_refused_by_name(
+    tmp_path: Path, field: str, bad: object
+) -> None:
     refused(tmp_path, table(","), f"{field} = ", **{field: bad})
 
 
@@ -247,7 +252,10 @@ def test_options_of_the_layout_are_refused_by_name(tmp_path: Path, field: str, b
 def test_heights_constant_to_rounding_are_refused(
     tmp_path: Path, heights, detrend: str, taper: float | None
 ) -> None:
-    """What is left of a line is its rounding, with as many peaks as there are points."""
+    """After the trend of a line is subtracted, only round-off is left.
+
+    It has about as many peaks as there are points.
+    """
     if detrend == "none" and heights(X)[0] != heights(X)[1]:
         return
     rows = "".join(

@@ -1,6 +1,4 @@
-"""Measured traces pressed until hundreds of their zones, wide and narrow, touch: splines with many
-knots in contact.
-"""
+"""Rough traces with many zones, wide and narrow: splines with many knots in contact."""
 
 from pathlib import Path
 
@@ -16,7 +14,7 @@ T = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
 
 
 def trace(points=400, seed=7):
-    """A self-affine trace of a period, sampled at about three points to its shortest wave."""
+    """A periodic self-affine trace with about three points per shortest wavelength."""
     k = np.arange(2, points // 3)
     rng = np.random.default_rng(seed)
     phase, x = rng.uniform(0, 2 * np.pi, len(k)), np.arange(points + 1) / points
@@ -26,14 +24,17 @@ def trace(points=400, seed=7):
 
 
 def smallest_full(profile):
-    """The smallest mean pressure of full contact, E* = 1."""
+    """The smallest mean pressure of full contact, for E* = 1."""
     return contact.solve(
         contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)
     ).mean_pressure
 
 
 def differences(one, other):
-    """(of ends over their zone's width, of pressures at equal places over the peak)."""
+    """(Largest difference of ends over the zone's width, of pressures over the peak pressure).
+
+    The pressures are compared at equal scaled positions in the zones.
+    """
     ends = np.abs((one.zones - other.zones) / np.diff(other.zones, axis=1)).max()
     pressures = max(
         np.abs(one.pressure_at(T, i) - other.pressure_at(T, i)).max() for i in range(len(one.zones))
@@ -42,8 +43,9 @@ def differences(one, other):
 
 
 def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
-    """Two formulations with nothing in common but the spline: pressure on the zones, slope of the
-    gap between them.
+    """Two formulations have only the spline in common, and must give the same contact.
+
+    One solves for the pressure on the zones, the other for the slope of the gap between them.
     """
     profile = trace()
     load = 0.25 * smallest_full(profile)
@@ -62,15 +64,16 @@ def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
     assert (
         len(zones.zones) == len(gaps.zones) and zones.certificate.holds and gaps.certificate.holds
     )
-    assert np.diff(zones.zones, axis=1).max() > 40 * profile.resolution  # many knots in one zone
+    assert np.diff(zones.zones, axis=1).max() > 40 * profile.resolution  # a zone with many knots
     bound = zones.error + gaps.error
     assert bound < 2e-8 and max(differences(zones, gaps)) <= bound
 
 
 @pytest.mark.slow
-def test_hundreds_of_zones_narrower_than_a_step_beside_one_three_hundred_steps_wide():
-    """The stylus trace at a hundredth of its full load: the narrow zone beside the wide one asks
-    for every digit of its level.
+def test_hundreds_of_zones_many_narrower_than_a_step_and_one_wider_than_three_hundred_steps():
+    """The stylus trace at a hundredth of the load of full contact.
+
+    The narrow zone next to the widest one needs its level with all digits.
     """
     profile = contact.Sampled.from_file(
         STYLUS, units="um", detrend="quadratic", regrid=True, taper=0.05, period=True
@@ -82,13 +85,15 @@ def test_hundreds_of_zones_narrower_than_a_step_beside_one_three_hundred_steps_w
     widths = np.diff(solution.zones, axis=1)[:, 0] / profile.resolution
     assert len(widths) > 600 and (widths < 1).sum() > 90 and widths.max() > 300
     assert solution.certificate.holds and solution.error <= 1e-8
-    assert len(solution.trace) <= 8  # nothing but rounding would keep the ends moving
+    assert len(solution.trace) <= 8  # in further steps only round-off would move the ends
 
 
 @pytest.mark.parametrize("first", range(5))
 def test_the_border_of_the_period_lies_in_a_wide_gap(first):
-    """Levels are tied from neighbour to neighbour: a border between zones close to each other would
-    sum the rounding of all steps.
+    """The levels of neighbouring zones are equated one pair after the other, from border to border.
+
+    The round-off of all pairs adds up between the last zone and the first one. So these two must
+    not be close to each other.
     """
     rows = np.array([[-0.4, -0.39], [-0.38, -0.2], [-0.19, -0.1], [0.25, 0.3], [0.35, 0.4]])
     table = np.concatenate((rows[first:], rows[:first] + 1.0))

@@ -1,4 +1,4 @@
-"""What large arrays leave is kept while it is asked for, and given back after that."""
+"""Freed memory is kept by the process inside `keep_freed_memory`, and given back afterwards."""
 
 import ctypes
 
@@ -8,7 +8,7 @@ from contact import runtime
 
 
 class Told:
-    """Stands in for the C library."""
+    """Stands in for the C library, and records the calls."""
 
     def __init__(self):
         self.calls = []
@@ -20,7 +20,7 @@ class Told:
         self.calls.append("given back")
 
 
-def test_memory_is_kept_from_the_first_to_the_last_who_asks_for_it(monkeypatch):
+def test_memory_is_kept_from_the_first_block_that_asks_for_it_to_the_end_of_the_last(monkeypatch):
     libc = Told()
     monkeypatch.setattr(runtime, "_libc", lambda: libc)
     with runtime.keep_freed_memory():

@@ -1,4 +1,4 @@
-"""Messages are short whatever is given, and speak of what the caller gave."""
+"""Error messages are short and name the caller's values; events of a path lie in the cell."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,6 @@
-"""Traces and their mirror images have one answer, within what both state: all rounding, all grids
-and all sides are others.
+"""A trace and its mirror image have the same solution, within both stated errors.
+
+The two solutions differ in round-off, grids and sides of the zones.
 """
 
 from dataclasses import replace
@@ -13,12 +14,12 @@ from contact.studies.reflected import Reflected
 from contact.studies.trace_kinds import KINDS, drawn
 from tests.tiers import quick
 
-# Angles of a zone at which pressures are compared.
+# Pressures are compared at the scaled positions cos(angle) of a zone, for these angles.
 ANGLES = np.linspace(0.02, np.pi - 0.02, 160)
 
 
 def scene(seed):
-    """A trace of 30 to 120 points under some load, model, substrate and law."""
+    """A random scene: a trace of 30 to 120 points, a load, a model, a substrate and a law."""
     rng = np.random.default_rng([91, seed])
     kind, points = str(rng.choice(list(KINDS))), int(rng.integers(30, 121))
     profile = drawn(rng, kind, points, str(rng.choice(["even", "uneven"])))
@@ -47,7 +48,10 @@ def mirrored(one):
 
 
 def difference(one, other):
-    """Difference of two answers over both stated errors; None if they have other zones."""
+    """Difference of a solution and its mirror image, over the sum of their stated errors.
+
+    None if the zones of the two do not correspond.
+    """
     widths, reversed_widths = one.zone_widths, other.zone_widths[::-1]
     if len(widths) != len(reversed_widths):
         return None
@@ -63,7 +67,8 @@ def difference(one, other):
     zone = np.roll(np.arange(len(widths))[::-1], turns[0])
     ends = float((np.abs(widths - other.zone_widths[zone]) / widths).max())
     law, t = one.scene.law, np.cos(ANGLES)
-    # The pressure of JKR is infinite at the ends; the tension counts for the peak of Dugdale.
+    # Under JKR the pressure is infinite at the ends, so pressures are multiplied by the sine of the
+    # angle. Under Dugdale's law the tension is added to the peak.
     weight = np.sin(ANGLES) if law.pulls and law.tension == 0.0 else 1.0
     pairs = [
         (one.pressure_at(t, k), other.pressure_at(-t, int(zone[k]))) for k in range(len(widths))
@@ -80,8 +85,9 @@ def test_a_trace_and_its_mirror_image_agree(seed):
     try:
         found = [contact.solve(each, 1e-8) for each in (one, mirrored(one))]
     except contact.ContactError:
-        return  # rounding may decide whether an error is below the tolerance
-    # A closure may have several strips at rest: other zones are no fault.
+        return  # round-off may decide whether an error is below the tolerance
+    # A closure of the localization principle may have several solutions, so different zones are no
+    # error.
     assert (difference(*found) or 0.0) <= 1.0
 
 
@@ -91,7 +97,10 @@ LAW_SEEDS = [*range(60000, 60008), 60010, 60012, 60015, 60022, 60025]
 @pytest.mark.filterwarnings("error", "ignore::contact.ModelWarning")
 @pytest.mark.parametrize("seed", quick(LAW_SEEDS, LAW_SEEDS[:3] + LAW_SEEDS[-4:]))
 def test_a_scene_with_a_law_and_its_images_agree(seed):
-    """The mirror image and, under a limit H of the pressure p, the profile -f: there it is H - p."""
+    """The images are the mirror image and, under a limit H of the pressure p, the profile -f.
+
+    The pressure on the profile -f is H - p.
+    """
     drawn = random_laws.draw(seed)
     solution = contact.solve(drawn.scene, tol=1e-8)
     assert drawn.fault(solution, 1e-8) == ""

@@ -1,4 +1,4 @@
-"""Curves of loads of which one misses the tolerance: the others are solved and at hand."""
+"""Lists of loads, some of which miss the tolerance: the other loads are solved and returned."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,7 @@ import pytest
 import contact
 from contact.model.scene_file import to_toml
 
-# A zone is born under 303.7 N/m. Just above this load, the ends of the new zone follow rounding.
+# A zone appears at 303.7 N/m. Just above this load, round-off determines the ends of the new zone.
 WAVES = contact.Fourier(1e-4, [-1e-6, 3e-7, 2e-7], [2e-7, 1e-7, 1e-8])
 SCENE = contact.Scene(WAVES, 1e9, contact.Periodic(), load=1.0)
 BIRTH = contact.path(SCENE, [290.0, 320.0]).events[0]

@@ -1,5 +1,6 @@
-"""What the model hardly covers is solved and said: by Python, on one line of stderr, and in the
-answer.
+"""Scenes at the limits of the model are solved with a warning.
+
+It is a warning of Python, one line on stderr, and a field of the solution.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def told(call) -> list[str]:
-    """The warnings that a call gives out, every one about the model."""
+    """The messages of all warnings of a call; each must be a ModelWarning of the calling line."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         call()
@@ -68,7 +69,7 @@ IN_GPA = scene(contact.Sinusoid(1e-6, L), 110.0, contact_fraction=0.1)
         (
             scene(contact.Sinusoid(1.0, 100.0), contact_fraction=0.1),
             ("a profile 100 m long",),
-        ),  # in micrometres
+        ),  # lengths in micrometres
         (scene(contact.Parabola(50.0, 20.0), contact_fraction=0.01), ("a profile 20 m long",)),
         (scene(contact.Flat(40.0), interaction=ISOLATED, load=1e3), ("a profile 40 m long",)),
         (
@@ -83,7 +84,7 @@ IN_GPA = scene(contact.Sinusoid(1e-6, L), 110.0, contact_fraction=0.1)
     ],
     ids="steep pressed rigid GPa wedge punch full micrometres rollers width points short shallow".split(),
 )
-def test_what_the_model_hardly_covers_is_solved_and_said(given, words):
+def test_scenes_at_the_limits_of_the_model_are_solved_with_a_warning(given, words):
     solution = []
     messages = told(lambda: solution.append(contact.solve(given)))
     assert len(messages) == len(words) and all(
@@ -100,7 +101,7 @@ def test_what_the_model_hardly_covers_is_solved_and_said(given, words):
         scene(contact.Parabola(1.0), 1.0, ISOLATED, load=1e-3),
         scene(contact.Wedge(0.1, 2.0), 3.0, load=1e-2),
         scene(contact.Flat(1.0), 1.0, ISOLATED, load=1e-3),
-        scene(contact.Sinusoid(1e-6, L), 1.0, mean_pressure=1e-3),  # pressures over E*
+        scene(contact.Sinusoid(1e-6, L), 1.0, mean_pressure=1e-3),  # pressures in units of E*
         scene(contact.Parabola(1.0), 1e-9, ISOLATED, load=1e-12),
         scene(contact.Parabola(1.0), 1e11, ISOLATED, load=1e3),
         scene(contact.Sinusoid(1e-3, 5.0), 2.1e5, mean_pressure=1.0),  # millimetres and megapascals
@@ -112,7 +113,7 @@ def test_what_the_model_hardly_covers_is_solved_and_said(given, words):
     ],
     ids="wave parabola wedge punch modulus soft roller megapascals trace".split(),
 )
-def test_numbers_without_units_are_nothing_to_warn_of(given):
+def test_dimensionless_numbers_and_other_units_cause_no_warning(given):
     assert told(lambda: contact.solve(given)) == []
 
 
@@ -126,16 +127,16 @@ def test_no_example_is_warned_of(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["stylus.toml", "stylus-ground.toml"])
 def test_no_measured_example_is_warned_of(name):
-    """Their peaks, 8 and 12 GPa, are above the hardness of steel, and 0.035 and 0.053 of E*."""
+    """The peak pressures, 8 and 12 GPa (0.035 and 0.053 of E*), exceed the hardness of steel."""
     test_no_example_is_warned_of(name)
 
 
-def test_a_body_on_the_slope_that_it_is_turned_by_is_not_steep():
+def test_the_angle_of_a_turned_body_does_not_count_as_a_steep_slope():
     turned = scene(contact.Parabola(1.0), 1.0, ISOLATED, load=1e-4, tilt=0.5)
     assert told(lambda: contact.solve(turned)) == []
 
 
-def test_a_path_a_comparison_and_an_approach_say_it_once():
+def test_a_path_a_comparison_and_an_approach_warn_once():
     assert (
         len(told(lambda: contact.path(scene(contact.Sinusoid(1e-3, L), load=1.0), [1.0, 2.0, 3.0])))
         == 1
@@ -147,7 +148,7 @@ def test_a_path_a_comparison_and_an_approach_say_it_once():
     ) <= 1
 
 
-def test_what_cannot_be_solved_is_still_warned_of():
+def test_a_scene_that_cannot_be_solved_causes_its_warning_too():
     def solve():
         with pytest.raises(contact.OutOfRange):
             contact.solve(scene(contact.Sinusoid(1e-6, L), 110.0, approach=1.0))
@@ -172,7 +173,7 @@ class TestTraces:
             ("pm", ("4 nm long", "pitch of 0.4 pm")),
         ],
     )
-    def test_a_trace_whose_lengths_are_none_of_a_surface_is_warned_of_when_read(
+    def test_a_trace_with_implausible_lengths_causes_a_warning_when_it_is_read(
         self, trace, units, words
     ):
         read = []
@@ -183,7 +184,7 @@ class TestTraces:
         assert read[0].warnings == (*told_here,)
 
     @pytest.mark.parametrize("units", ["um", "nm", ["um", "nm"]])
-    def test_one_of_a_surface_is_not(self, trace, units):
+    def test_a_trace_with_plausible_lengths_causes_no_warning(self, trace, units):
         assert told(lambda: contact.Sampled.from_file(trace, units=units)) == []
 
     def test_a_period_in_the_units_of_the_file_is_warned_of(self, trace):
@@ -217,11 +218,11 @@ class TestCommandLine:
             assert said == contact.solve(contact.load_scene(tmp_path / "scene.toml")).warnings
         assert len(said) == 2
 
-    def test_without_one_there_is_an_empty_list_and_no_line(self, tmp_path):
+    def test_without_a_warning_the_list_and_stderr_are_empty(self, tmp_path):
         result = self.run(tmp_path, 1e-6, 1.1e11, "--json")
         assert json.loads(result.stdout)["warnings"] == [] and result.stderr == ""
 
-    def test_a_trace_read_in_the_wrong_units_is_said_once(self, tmp_path):
+    def test_a_trace_read_in_the_wrong_units_causes_one_warning(self, tmp_path):
         x = np.arange(100)
         rows = "".join(
             f"{a},{b:.6f}\n" for a, b in zip(x, 0.01 * np.cos(2 * np.pi * x / 50), strict=True)
@@ -237,7 +238,7 @@ class TestCommandLine:
         (said,) = json.loads(result.stdout)["warnings"]
         assert "99 m long" in said and result.stderr == f"contact: warning: {said}\n"
 
-    def test_pythons_own_option_may_make_an_error_of_it(self, tmp_path):
+    def test_the_filter_of_python_can_turn_the_warning_into_an_error(self, tmp_path):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             result = self.run(tmp_path, 1e-3, 1.1e11)
@@ -248,7 +249,7 @@ class TestCommandLine:
         )
 
 
-def test_it_costs_a_handful_of_slopes_and_pressures(monkeypatch):
+def test_the_check_for_warnings_evaluates_few_slopes_and_pressures(monkeypatch):
     given = scene(contact.Sinusoid(1e-6, L), mean_pressure=2e7)
     solution = contact.solve(given)
     counts = {"slope": 0, "pressure": 0}

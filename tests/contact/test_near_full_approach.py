@@ -1,6 +1,4 @@
-"""Wide contacts by their approach, contact fraction and mean pressure: the same as by their load,
-up to the last digits.
-"""
+"""Wide contacts: load, mean pressure, approach and contact fraction lead to the same solution."""
 
 from __future__ import annotations
 
@@ -15,7 +13,7 @@ PLACES = np.arange(40) / 40
 
 
 def tops(rng):
-    """A few samples raised to one height, side by side or scattered."""
+    """Heights of a flat profile with a few samples raised to one height, adjacent or scattered."""
     height = np.zeros(40)
     many = int(rng.integers(2, 9))
     chosen = (
@@ -42,7 +40,7 @@ SUBSTRATES = [contact.HalfPlane(), contact.Layer(0.05, 0.3), contact.Layer(0.02,
 @pytest.mark.parametrize(
     ("shape", "seed", "substrate"), diagonal([tops, steps], range(2), SUBSTRATES)
 )
-def test_every_control_leads_to_the_contact_of_the_load_however_full(shape, seed, substrate):
+def test_every_control_leads_to_the_same_wide_contact(shape, seed, substrate):
     rng = np.random.default_rng(seed)
     profile = contact.Sampled(PLACES, shape(rng), period=1.0)
     for fraction in (0.9, 0.97):
@@ -62,7 +60,7 @@ def test_every_control_leads_to_the_contact_of_the_load_however_full(shape, seed
             assert true_error(again, given) < 3 * (again.error + given.error) + 1e-12
 
 
-def test_an_approach_near_full_contact_is_found_from_a_solution_near_by_too():
+def test_an_approach_near_full_contact_is_found_from_a_given_solution_too():
     height = np.zeros(40)
     height[[3, 4, 5, 6]] = 2.5e-5
     profile = contact.Sampled(PLACES, height, period=1.0)

@@ -1,6 +1,4 @@
-"""Zones that almost touch, from profile and load alone: right ends, right pressure, and a cost that
-does not depend on the gap.
-"""
+"""Zones that almost touch: right ends and pressure, at a cost that does not depend on the gap."""
 
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ GAPS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
 
 def errors(solution, designed):
-    """(pressure over the peak, ends over widths)."""
+    """(Error of the pressure over its peak, largest error of the ends over the zone's width)."""
     width = np.diff(designed.zones, axis=1)
     pressure = (
         max(
@@ -36,26 +34,26 @@ def solve(designed, period, **options):
 @pytest.mark.parametrize("period", [None, 1.0], ids=["isolated", "periodic"])
 @pytest.mark.parametrize("gap", quick(GAPS, [1e-2, 1e-4, 1e-6]))
 class TestTwoZones:
-    def test_are_found_and_the_error_stated(self, gap, period):
+    def test_are_found_within_the_stated_error(self, gap, period):
         designed = design([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]], 1.0, 0.01, period)
         solution = solve(designed, period, tol=1e-8)
         assert len(solution.zones) == 2 and solution.certificate.holds
         pressure, ends = errors(solution, designed)
         assert max(pressure, ends) <= solution.error <= 1e-8
 
-    def test_symmetric_ones_too(self, gap, period):
+    def test_symmetric_zones_are_found_within_the_stated_error(self, gap, period):
         designed = design([[-0.2, -0.1 * gap], [0.1 * gap, 0.2]], 1.0, 0.01, period)
         solution = solve(designed, period, tol=1e-8)
         pressure, ends = errors(solution, designed)
         assert max(pressure, ends) <= solution.error <= 1e-8
 
-    def test_the_gap_between_is_open(self, gap, period):
+    def test_the_gap_between_them_is_that_of_the_design(self, gap, period):
         designed = design([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]], 1.0, 0.01, period)
         solution = solve(designed, period, tol=1e-8)
         a, b = solution.zones[0, 1], solution.zones[1, 0]
         x = a + (b - a) * np.array([0.2, 0.5, 0.8])
-        # Ends off by 1e-16 / gap of a width are off by the square of that more of the gap, at the
-        # worst.
+        # At worst the ends have an error of 1e-16/gap of a zone's width. Relative to the gap
+        # between the zones this error is 1e-16/gap^2.
         relative = max(1e-6, 1e-14 / gap**2)
         assert solution.gap(x) == pytest.approx(designed.gap(x), rel=relative)
 
@@ -87,8 +85,11 @@ def test_an_island_between_two_narrow_gaps():
     assert pressure < 1e-9 and max(pressure, ends) <= solution.error
 
 
-def test_gap_and_stiffness_agree_with_the_solution_zone_by_zone():
-    """Just above and below the gap at which slits begin, load and approach go on smoothly."""
+def test_the_stiffness_is_continuous_where_two_zones_merge():
+    """The stiffness is continuous at the load at which two zones merge.
+
+    Just below and above this load, it also equals the difference quotient of load and approach.
+    """
     texture = contact.Biquadratic(radius=1e-3, spacing=4e-5, period=1e-4)
     merging = [
         e
@@ -109,8 +110,11 @@ def test_gap_and_stiffness_agree_with_the_solution_zone_by_zone():
     assert above.stiffness == pytest.approx(below.stiffness, rel=1e-6)
 
 
-def test_below_rounding_it_is_undecided():
-    """A gap of 3e-8 of a width lowers the pressure by 1e-16 of the peak."""
+def test_a_gap_below_round_off_is_found_or_undecided():
+    """A gap of 3e-8 of a zone's width is below the resolution of round-off.
+
+    If it were closed, the pressure there would be negative by only 1e-16 of the peak.
+    """
     designed = design([[-0.2, -0.03], [-0.03 + 0.17 * 3e-8, 0.15]], 1.0, 0.01, 1.0)
     solution = solve(designed, 1.0, tol=1e-8)
     assert len(solution.zones) == 2 or solution.certificate.undecided

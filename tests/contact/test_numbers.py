@@ -1,6 +1,4 @@
-"""Every number that a solution hands out, against the same number by quadrature of its fields, by
-differences, or by another route.
-"""
+"""The numbers of a solution, against quadrature of its fields, differences, and other solutions."""
 
 from __future__ import annotations
 
@@ -19,7 +17,7 @@ _random = np.random.default_rng(5)
 
 
 def trace(count, uneven=0.0, seed=5):
-    """A self-affine trace of one period."""
+    """A periodic self-affine trace of `count` points. uneven: largest shift of a point in steps."""
     rng = np.random.default_rng(seed)
     k = np.arange(1, count // 2)
     spectrum = np.zeros(count // 2 + 1, dtype=complex)
@@ -36,8 +34,9 @@ def trace(count, uneven=0.0, seed=5):
 
 WAVES = contact.Fourier(1.0, *(0.01 * _random.normal(size=(2, 12)) * np.arange(1, 13) ** -1.3))
 ROUGH, UNEVEN = trace(64), trace(40, uneven=0.3)
-# Shares of the load of full contact, where there is one: few zones, many, and gaps alone; others by
-# their mean pressure, E* = 1.
+# (profile, share of the load of full contact): few zones, many zones, and contacts solved by their
+# gaps. Profiles with kinks have no full contact: their second number is the mean pressure (E* is
+# 1).
 SCENES = [
     *((WAVES, share) for share in (0.1, 0.5, 0.9, 0.999)),
     *((ROUGH, share) for share in (0.05, 0.3, 0.6, 0.95)),
@@ -95,7 +94,7 @@ def test_loads_and_mean_gap_and_approach_are_those_of_the_fields(profile, share)
     unit, rounding = unit_of(solution), 1e-13
     loads = numbers.zone_loads(solution)
     assert solution.zone_loads.sum() == pytest.approx(solution.load, rel=rounding)
-    # As stated in docs/errors.md.
+    # The bounds are those of docs/errors.md.
     assert np.all(
         np.abs(solution.zone_loads - loads)
         <= 3 * (solution.error + rounding) * unit * solution.zone_widths
@@ -124,8 +123,9 @@ def test_loads_and_mean_gap_and_approach_are_those_of_the_fields(profile, share)
     ],
     ids=names,
 )
-def test_the_stiffness_is_what_the_load_gains_with_the_approach(profile, share):
-    # Richardson's: differences over twice the step tell how far those over one are off.
+def test_the_stiffness_is_the_derivative_of_the_load_by_the_approach(profile, share):
+    # Richardson: the quotient over twice the step gives a bound of the error of the quotient over
+    # one step.
     near, far = (_gain(profile, share, h) for h in (1e-3, 2e-3))
     assert abs(near - solved(profile, share).stiffness) <= abs(far - near) + 1e-5 * near
 
@@ -174,7 +174,7 @@ def test_numbers_of_a_localized_strip_are_those_of_its_pressure(closure):
 @pytest.mark.parametrize(
     ("profile", "share"), [(WAVES, 0.6), (ROUGH, 0.6), (contact.Parabola(1.0, 1.0), 0.2)], ids=names
 )
-def test_zones_and_gaps_hand_out_the_same_numbers(profile, share, monkeypatch):
+def test_solutions_by_zones_and_by_gaps_have_the_same_numbers(profile, share, monkeypatch):
     monkeypatch.setattr("contact.solver.solve_closed", lambda scene, tol: None)
     by_gaps = solved(profile, share)
     monkeypatch.setattr("contact.search.strategies.gaps.OPTIONS", GapOptions(wide_contact=2.0))
@@ -198,7 +198,7 @@ def test_zones_and_gaps_hand_out_the_same_numbers(profile, share, monkeypatch):
 
 @pytest.mark.parametrize("tol", [1e-3, 1e-8])
 @pytest.mark.parametrize("seed", range(6))
-def test_numbers_are_off_by_no_more_than_is_stated(seed, tol):
+def test_errors_of_the_numbers_are_within_the_stated_bounds(seed, tol):
     rng = np.random.default_rng(seed)
     truth = random_problem(
         rng, zones=int(rng.integers(1, 5)), period=1.0, fraction=rng.uniform(0.2, 0.9)
@@ -210,7 +210,7 @@ def test_numbers_are_off_by_no_more_than_is_stated(seed, tol):
 
 @pytest.mark.parametrize("fraction", [0.1, 0.6, 0.99])
 @pytest.mark.parametrize("closed", [exact.Westergaard, exact.PeriodicWedge])
-def test_numbers_of_closed_forms_are_off_by_no_more_than_is_stated(closed, fraction):
+def test_errors_against_closed_forms_are_within_the_stated_bounds(closed, fraction):
     profile = (
         contact.Sinusoid(1e-2, 1.0) if closed is exact.Westergaard else contact.Wedge(0.1, 1.0)
     )
@@ -228,7 +228,7 @@ def test_numbers_of_closed_forms_are_off_by_no_more_than_is_stated(closed, fract
 
 
 def assert_within_what_is_stated(solution, truth):
-    """As docs/errors.md has it, E* = L = 1."""
+    """Assert the error bounds of docs/errors.md, for E* = L = 1."""
     error, unit, widths = solution.error + 1e-14, unit_of(solution), solution.zone_widths
     assert np.all(np.abs(widths - truth.zone_widths) <= 2 * error * widths)
     assert np.all(
@@ -246,7 +246,7 @@ def assert_within_what_is_stated(solution, truth):
         assert abs(1 / solution.stiffness - 1 / truth.stiffness) <= 4 * error * max(
             1.0, widths.max() / narrowest
         )
-    # The errors that print(solution) shows.
+    # These errors are shown by print(solution).
     printed = Errors(solution)
     for name, bound in (
         ("load", printed.load),
@@ -259,8 +259,8 @@ def assert_within_what_is_stated(solution, truth):
             assert abs(getattr(solution, name) - value) <= bound + 1e-12 * abs(value)
 
 
-def test_the_highest_of_several_peaks_of_about_one_height_is_found():
-    # The highest sample of all stands on another peak than the largest pressure.
+def test_the_highest_of_several_peaks_of_nearly_equal_height_is_found():
+    # The highest sample of the pressure lies on another peak than its maximum.
     rng = np.random.default_rng(14)
     waves = contact.Fourier(1.0, *(1e-3 * rng.normal(size=(2, 20)) * np.arange(1, 21) ** -1.5))
     solution = solved(waves, 0.05)
@@ -281,7 +281,7 @@ def test_full_contact_has_no_zone_and_the_load_that_was_given():
     assert solution.displacement(x).mean() == pytest.approx(0.0, abs=1e-13 * np.ptp(heights))
 
 
-def test_a_load_of_one_zone_a_part_in_a_billion_off_is_seen():
+def test_a_relative_error_of_a_billionth_in_the_load_of_one_zone_is_noticed():
     solution = solved(ROUGH, 0.6)
     loads = solution.zone_loads.copy()
     loads[0] *= 1 + 1e-9

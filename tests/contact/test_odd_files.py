@@ -1,6 +1,4 @@
-"""Text files that are easily read wrong: each is read right, refused by name, or read with a
-warning.
-"""
+"""Text files that are easily misread: each is read right, refused by name, or warned about."""
 
 from __future__ import annotations
 
@@ -22,7 +20,7 @@ HOLES = (5, 6, 20)
 
 
 def table(x=X, z=Z, between: str = ";", mark: str = ".") -> str:
-    """Rows of positions and heights; strings stand as they are."""
+    """Rows of positions and heights; heights that are strings are written unchanged."""
     cells = ((f"{a:g}", b if isinstance(b, str) else f"{b:.6g}") for a, b in zip(x, z, strict=True))
     return "".join(f"{a.replace('.', mark)}{between}{b.replace('.', mark)}\n" for a, b in cells)
 
@@ -81,7 +79,7 @@ def same(found: contact.Sampled, scales: tuple[float, float], z=Z) -> None:
 def test_the_usual_names_of_units_are_known(
     tmp_path: Path, word: str, scale: float, header: str
 ) -> None:
-    # Numbers that make a plausible trace in that unit.
+    # In the given unit, the numbers are a plausible trace.
     x, z = X * 1e-6 / scale, Z * 1e-7 / scale
     rows = "".join(f"{a!r};{b!r}\n" for a, b in zip(x.tolist(), z.tolist(), strict=True))
     same(read(tmp_path, f"{header.format(word)}\n{rows}"), (1e-6, 1e-7))
@@ -149,10 +147,10 @@ def test_units_are_found_wherever_headers_have_them(
         ("All lengths in 微米\n" + table(), "微米"),
     ],
 )
-def test_units_of_no_column_are_not_passed_over(
+def test_unknown_or_misplaced_units_are_not_ignored(
     tmp_path: Path, content: str | bytes, word: str
 ) -> None:
-    """Nothing else being said, the numbers would be taken for metres."""
+    """If the unit were ignored, the numbers would be taken for metres."""
     refused(tmp_path, content, "units must be given", word)
 
 
@@ -172,25 +170,25 @@ def test_units_between_blanks_stay_with_their_names(
     same(read(tmp_path, f"{start}{header}\n{table(between=between)}"), (1e-6, 1e-9))
 
 
-def test_units_between_the_numbers_are_not_passed_over(tmp_path: Path) -> None:
+def test_units_between_the_numbers_are_not_ignored(tmp_path: Path) -> None:
     rows = "".join(f"{x:g} um  {z:g} um\n" for x, z in zip(X, Z, strict=True))
     refused(tmp_path, rows, "units must be given", "'um'", columns=[0, 2])
 
 
-def test_units_that_are_given_stand_for_unknown_words_but_not_for_volts(tmp_path: Path) -> None:
+def test_given_units_replace_unknown_words_but_not_volts(tmp_path: Path) -> None:
     same(read(tmp_path, "X (smoot);Z (smoot)\n" + table(), units="mm"), (1e-3, 1e-3))
     refused(tmp_path, "X (um);Z (V)\n" + table(), "'V'", "convert", units="um")
     refused(tmp_path, table(), "units = 'V'", units="V")
 
 
-def test_a_remark_says_no_unit_of_heights_alone(tmp_path: Path) -> None:
+def test_a_remark_does_not_give_the_unit_of_a_column_of_heights(tmp_path: Path) -> None:
     for remark in ("# pitch 0.5 um", "# dx = 0.5 um", "z\nCutoff [mm] 0.8"):
         refused(tmp_path, f"{remark}\n{column()}", "units must be given", pitch=1e-6)
     assert read(tmp_path, "z\nnm\n" + column(), pitch=1e-6).heights == pytest.approx(1e-9 * Z)
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.05])
-def test_metres_that_nobody_says_are_warned_of_where_they_are_rare(
+def test_without_units_metres_are_assumed_with_a_warning_if_they_are_implausible(
     tmp_path: Path, scale: float
 ) -> None:
     warned(tmp_path, table(scale * X, 1e-3 * Z), "no units being given", "units says")
@@ -222,7 +220,7 @@ def test_a_lone_number_of_points_is_a_header_and_descending_positions_are_points
 
 
 @pytest.mark.parametrize("name", ["Depth", "Tiefe", "Profondeur", "Глубина", "深度"])
-def test_depths_are_turned_only_as_it_is_said(tmp_path: Path, name: str) -> None:
+def test_depths_are_inverted_only_if_the_option_invert_says_so(tmp_path: Path, name: str) -> None:
     content = f"x [um];{name} [nm]\nremark\n{table()}"
     refused(tmp_path, content, name, "invert = true", "invert = false")
     same(read(tmp_path, content, invert=True), (1e-6, -1e-9))
@@ -231,7 +229,7 @@ def test_depths_are_turned_only_as_it_is_said(tmp_path: Path, name: str) -> None
     refused(tmp_path, content, "invert = 1", invert=1)
 
 
-def test_a_table_on_its_side_is_told_as_one(tmp_path: Path) -> None:
+def test_a_table_on_its_side_is_refused_with_this_reason(tmp_path: Path) -> None:
     rows = [[f"{v:.3f}" for v in values] for values in (X, Z)]
     for between in (";", "\t", " ", ","):
         plain = "".join(between.join(row) + "\n" for row in rows)
@@ -243,19 +241,19 @@ def test_a_table_on_its_side_is_told_as_one(tmp_path: Path) -> None:
     )
 
 
-def test_positions_that_double_lead_to_heights_and_a_pitch(tmp_path: Path) -> None:
+def test_repeated_positions_are_refused_with_a_hint_to_heights_and_a_pitch(tmp_path: Path) -> None:
     coarse = UM + table(np.round(0.4 * X[:12] / 0.25), Z[:12])
     refused(tmp_path, coarse, "repeated", "heights alone", "pitch = 3.63636e-07")
     assert read(tmp_path, coarse, columns=[1], pitch=4e-7).heights == pytest.approx(1e-6 * Z[:12])
 
 
-def test_a_column_that_is_not_there_is_named_with_those_that_are(tmp_path: Path) -> None:
+def test_a_missing_column_is_named_with_the_columns_of_the_file(tmp_path: Path) -> None:
     refused(tmp_path, UM + table(), "column 7 is not there", columns=[0, 7])
     refused(tmp_path, UM + table(), "column 2 is not there", columns=[2], pitch=1e-6)
     refused(tmp_path, UM + table(), "line 1 has 'x [um]', 'z [um]'", columns=["x", "height"])
 
 
-def test_positions_that_may_count_the_points_are_warned_of(tmp_path: Path) -> None:
+def test_positions_that_may_count_the_points_cause_a_warning(tmp_path: Path) -> None:
     rows = "".join(f"{i + 1};{z}\n" for i, z in enumerate(Z))
     warned(tmp_path, rows, "may count the points", "columns = [1] and pitch", units="um")
     assert read(tmp_path, rows, units="um", columns=[0, 1]).x.size == N
@@ -281,7 +279,7 @@ def test_usual_words_for_no_height_are_known(tmp_path: Path, word: str, between:
 
 @pytest.mark.parametrize("word", ["OVR", "Out of range", "(no) (sig"])
 @pytest.mark.parametrize("between", [";", "  "])
-def test_other_words_are_refused_by_the_option_that_takes_them(
+def test_other_words_are_refused_with_a_hint_to_the_option_missing(
     tmp_path: Path, word: str, between: str
 ) -> None:
     content = UM + table(z=holed(word), between=between)
@@ -295,7 +293,7 @@ def test_a_word_in_the_second_row_does_not_make_the_first_a_header(tmp_path: Pat
 
 @pytest.mark.parametrize("missing", ["-32768", "-32768.0", " -32768", -32768, -32768.0])
 @pytest.mark.parametrize("written", ["-32768", "-32768.000"])
-def test_a_number_for_no_height_is_the_same_in_quotes(
+def test_a_number_that_marks_missing_heights_may_be_given_as_text(
     tmp_path: Path, missing: object, written: str
 ) -> None:
     read_back = read(tmp_path, UM + table(z=holed(written)), missing=missing, fill="drop")
@@ -303,7 +301,9 @@ def test_a_number_for_no_height_is_the_same_in_quotes(
 
 
 @pytest.mark.parametrize("word", ["-32768", "No Data", "Out of range"])
-def test_the_same_is_missing_in_a_scene_and_in_the_command(tmp_path: Path, word: str) -> None:
+def test_the_option_missing_is_the_same_in_a_scene_and_in_the_command(
+    tmp_path: Path, word: str
+) -> None:
     path = tmp_path / "trace.csv"
     path.write_text(UM + table(z=holed(word)), encoding="utf-8")
     scene = tmp_path / "a.toml"
@@ -313,7 +313,7 @@ def test_the_same_is_missing_in_a_scene_and_in_the_command(tmp_path: Path, word:
     assert contact.load_scene(scene).profile.x.size == N - 3
 
 
-def test_heights_above_one_that_is_missing_are_heights(tmp_path: Path) -> None:
+def test_heights_before_a_missing_one_are_no_header(tmp_path: Path) -> None:
     content = "z [um]\n" + column([Z[0], "#N/A", *Z[2:]])
     keys = {"pitch": 2.5e-7, "fill": "drop"}
     assert read(tmp_path, content, **keys).heights == pytest.approx(1e-6 * np.delete(Z, 1))
@@ -322,13 +322,13 @@ def test_heights_above_one_that_is_missing_are_heights(tmp_path: Path) -> None:
     assert read(tmp_path, other, missing="OVR", **keys).x.size == N - 1
 
 
-def test_among_heights_alone_no_line_is_lost(tmp_path: Path) -> None:
+def test_no_line_of_a_column_of_heights_is_dropped_silently(tmp_path: Path) -> None:
     lost = "z [um]\n" + column([*Z[:7], "#N/A", *Z[8:]])
     refused(tmp_path, lost, "line 9", "missing", pitch=1e-6)
     refused(tmp_path, lost.replace("#N/A", "# bad"), "a comment", "line 9", pitch=1e-6)
 
 
-# Heights that are hardly any
+# Dropouts and spikes
 # ----------------------------------------------------------------------------
 SPIKE = 40 * float(np.ptp(Z))
 
@@ -346,7 +346,7 @@ SPIKE = 40 * float(np.ptp(Z))
         (0.0, {8: SPIKE, 9: SPIKE + 1, 30: SPIKE - 1}),
     ],
 )
-def test_dropouts_and_spikes_are_warned_of(
+def test_dropouts_and_spikes_cause_a_warning(
     tmp_path: Path, offset: float, changed: dict[int, float]
 ) -> None:
     heights = [changed.get(i, offset + z) for i, z in enumerate(Z.tolist())]
@@ -375,7 +375,7 @@ def wave(x: np.ndarray) -> np.ndarray:
         lambda x: np.cos(np.pi / 2 * np.arange(x.size)) - 0.3 * x,
     ],
 )  # fmt: skip
-def test_shapes_that_are_meant_are_not_warned_of(tmp_path: Path, shape) -> None:
+def test_real_shapes_cause_no_warning(tmp_path: Path, shape) -> None:
     x = np.linspace(0.0, 1.0, 400)
     read(tmp_path, "x [mm];z [um]\n" + table(x, shape(x)))
 

@@ -1,6 +1,4 @@
-"""Controls from outside the package: one class each, in a scene, a scene file, a curve, certified,
-and right by closed forms.
-"""
+"""User-defined controls, one class each: in scenes, files and curves, and against closed forms."""
 
 from __future__ import annotations
 
@@ -39,7 +37,7 @@ class Peak(contact.Control):
 
 @dataclass(frozen=True)
 class Nanometres(contact.Control):
-    """Of a quantity that the solver can hold."""
+    """A control that prescribes a quantity of the solver, in nanometres."""
 
     quantity: Quantity = Quantity.APPROACH
     unit = "nm"
@@ -60,9 +58,9 @@ def known() -> Iterator[None]:
         registry.CONTROLS.forget(name)
 
 
-def test_a_mean_gap_is_that_of_the_load_which_has_it() -> None:
-    # The mean gap of a wave falls from the mean of its heights to 0: 1.7e-7 m at about half of full
-    # contact's load.
+def test_a_given_mean_gap_leads_to_the_contact_that_has_it() -> None:
+    # As the load grows, the mean gap of a wave falls from the mean of its heights to 0. It is
+    # 1.7e-7 m at about half the load of full contact.
     given = contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), mean_pressure=1.5e7))
     assert given.mean_gap is not None
     found = contact.solve(
@@ -92,7 +90,7 @@ def test_several_zones_are_found_by_their_highest_pressure() -> None:
     assert abs(found.max_pressure / 4e7 - 1) <= 2 * found.error <= 2e-8
 
 
-def test_it_is_known_by_its_name_wherever_controls_are() -> None:
+def test_a_registered_control_is_known_by_its_name_in_files_scenes_and_curves() -> None:
     scene = contact.Scene(WAVE, 1e9, contact.Periodic(), given=MeanGap(2e-7))
     assert read_scene(to_toml(scene).encode(), "wave") == scene
     by_load = contact.Scene(WAVE, 1e9, contact.Periodic(), load=1.0)
@@ -102,7 +100,7 @@ def test_it_is_known_by_its_name_wherever_controls_are() -> None:
     assert contact.controls()["peak"].unit == "Pa"
 
 
-def test_what_no_load_has_is_refused_and_so_are_laws_with_several_contacts() -> None:
+def test_unreachable_values_and_laws_with_several_contacts_are_refused() -> None:
     with pytest.raises(contact.OutOfRange, match="mean_gap"):
         contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), given=MeanGap(2e-6)))
     with pytest.raises(contact.SceneError, match="several contacts"):
@@ -125,7 +123,7 @@ TURNED = {"interaction": contact.Isolated(datum=1e-3), "moment": 1e-3}
         (Quantity.WIDTH, {"contact_fraction": 1.0}, {}),
     ],
 )
-def test_a_control_that_is_held_is_as_good_as_the_one_with_its_name(
+def test_a_control_that_prescribes_a_quantity_is_solved_as_the_built_in_control(
     quantity: Quantity, named: dict[str, float], others: dict
 ) -> None:
     parts = {"profile": WAVE, "E_star": 1e9, "interaction": contact.Periodic(), **others}
@@ -147,7 +145,7 @@ def test_a_control_that_is_held_is_as_good_as_the_one_with_its_name(
         (Quantity.WIDTH, 2e-4, "contact_fraction = .* at most 1"),
     ],
 )
-def test_what_a_control_holds_must_go_with_the_scene(
+def test_the_quantity_that_a_control_prescribes_must_be_possible_in_the_scene(
     quantity: Quantity, metres: float, told: str
 ) -> None:
     with pytest.raises(contact.SceneError, match=told):
@@ -159,6 +157,6 @@ def test_a_model_that_admits_no_contact_fraction_admits_no_width() -> None:
         contact.Scene(WAVE, 1e9, contact.Localized(), given=Nanometres(4e4, Quantity.WIDTH))
 
 
-def test_an_approach_that_is_held_needs_a_datum() -> None:
+def test_a_prescribed_approach_needs_a_datum() -> None:
     with pytest.raises(contact.SceneError, match="approach = .* given a datum"):
         contact.Scene(BALL, 1e9, contact.Isolated(), given=Nanometres(100.0))

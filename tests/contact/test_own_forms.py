@@ -1,5 +1,6 @@
-"""Odd things given to the public entries: each has a named error that says what to change, or the
-right answer.
+"""Unusual arguments of public functions: each gives the right answer, or a named error.
+
+The error says what to change.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ import pytest
 import contact
 from tests.tiers import quick
 
-# Shapes as steep and loads as high as the arithmetic bears.
+# The shapes are as steep and the loads as high as the arithmetic allows, so warnings about the
+# model are ignored.
 pytestmark = pytest.mark.filterwarnings("error", "ignore::contact.ModelWarning")
 WAVE = contact.Sinusoid(1e-6, 1e-4)
 SCENE = contact.Scene(WAVE, 1e9, contact.Periodic(), load=100.0)
@@ -24,7 +26,7 @@ def squared(x):
 
 
 def own(**said):
-    """A profile whose class has these attributes and methods of x."""
+    """A profile of a new class with these attributes, and these functions of x as methods."""
     parts = {
         name: (lambda self, x, f=value: f(x)) if callable(value) else value
         for name, value in said.items()
@@ -77,7 +79,7 @@ FORMS = {
 
 
 @pytest.mark.parametrize(("said", "message"), FORMS.values(), ids=FORMS)
-def test_a_profile_of_the_wrong_form_is_refused_by_the_name_of_what_is_wrong(said, message):
+def test_a_profile_of_the_wrong_form_is_refused_by_the_name_of_the_wrong_part(said, message):
     with pytest.raises(contact.SceneError, match=message):
         scene(own(**said))
 
@@ -100,13 +102,13 @@ def test_a_profile_of_the_right_form_is_solved():
     ],
     ids=["slope", "kink", "jump"],
 )
-def test_a_profile_that_contradicts_itself_is_told_so_where_it_leads_nowhere(said, fault):
+def test_a_profile_that_contradicts_itself_is_refused_with_the_contradiction(said, fault):
     with pytest.raises(contact.ContactError, match=fault):
         contact.solve(scene(own(**said)))
 
 
 @pytest.mark.parametrize("size", quick([1e-6, 1e-7, 1e-8], [1e-7]))
-def test_heights_that_their_own_rounding_drowns_are_told_as_that_and_solved_in_another_form(size):
+def test_heights_lost_in_round_off_are_refused_and_solved_in_another_form(size):
     load = np.pi * 1e9 * size**2 / 4
 
     def solved(height):
@@ -123,18 +125,18 @@ def test_heights_that_their_own_rounding_drowns_are_told_as_that_and_solved_in_a
 
 @pytest.mark.parametrize("field", ["pressure", "gap", "displacement"])
 @pytest.mark.parametrize("x", ["a", None, 1j, [1, [2, 3]], [True, False]], ids=str)
-def test_fields_are_asked_for_at_real_numbers(field, x):
+def test_fields_at_positions_that_are_no_real_numbers_are_refused(field, x):
     with pytest.raises(contact.SceneError, match="real numbers, of any shape"):
         getattr(contact.solve(SCENE), field)(x)
 
 
 @pytest.mark.parametrize("field", ["pressure", "gap", "displacement"])
-def test_fields_where_there_is_no_number_are_no_numbers(field):
+def test_fields_at_nan_and_infinite_positions_are_nan(field):
     value = getattr(contact.solve(SCENE), field)([0.0, np.nan, np.inf])
     assert np.isfinite(value[0]) and np.isnan(value[1:]).all()
 
 
-def test_zones_and_positions_in_them_are_refused_by_name():
+def test_wrong_zones_and_wrong_positions_in_zones_are_refused_by_name():
     solution = contact.solve(SCENE)
     full = contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), mean_pressure=1e12))
     for ask, message in (
@@ -150,7 +152,7 @@ def test_zones_and_positions_in_them_are_refused_by_name():
             ask()
 
 
-def test_what_is_no_scene_and_no_solution_is_refused_by_name():
+def test_arguments_that_are_no_scene_or_no_solution_are_refused_by_name():
     for ask, message in (
         (lambda: contact.plan(WAVE), "a contact.Scene"),
         (lambda: contact.solve(SCENE, near="zones"), "near = 'zones' .* a contact.Solution"),
@@ -159,32 +161,32 @@ def test_what_is_no_scene_and_no_solution_is_refused_by_name():
             ask()
 
 
-def test_a_load_that_numbers_cannot_hold_beside_its_scene_is_out_of_range():
+def test_a_load_too_small_for_the_range_of_numbers_is_out_of_range():
     with pytest.raises(contact.OutOfRange, match="farther apart than numbers reach"):
         contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), load=5e-324))
 
 
 def dip(size, at=0.0):
-    """1 - exp(-((x - at)/size)^2), a tenth as deep as it is wide."""
+    """The profile (size/10) (1 - exp(-((x - at)/size)^2)), a tenth as deep as it is wide."""
     return own(height=lambda x: -0.1 * size * np.expm1(-(((np.asarray(x) - at) / size) ** 2)))
 
 
 @pytest.mark.parametrize("size", [1e-8, 1e-5, 1e-2, 10.0, 1e4])
-def test_an_asperity_that_states_no_size_and_levels_off_is_found_whatever_its_size(size):
+def test_an_asperity_of_unknown_size_that_levels_off_is_found_whatever_its_size(size):
     load = 1e-4 * size
     found, unit = (
         contact.solve(contact.Scene(dip(s), 1.0, contact.Isolated(), load=load / size * s))
         for s in (size, 1.0)
     )
     assert np.allclose(found.zones / size, unit.zones, rtol=0, atol=1e-9 * np.diff(unit.zones))
-    # Light enough for Hertz: R = size^2/(2 depth) = 5 size.
+    # The load is so light that Hertz's solution holds, with R = size^2/(2 depth) = 5 size.
     assert found.zones[0, 1] == pytest.approx(np.sqrt(20 * load * size / np.pi), rel=1e-3)
     assert contact.solve(
         contact.Scene(dip(size, 10 * size), 1.0, contact.Isolated(), load=load)
     ).zones.mean() == pytest.approx(10 * size)
 
 
-def test_a_derived_slope_is_that_of_its_place_whatever_stands_beside_it():
+def test_a_derived_slope_does_not_depend_on_the_other_positions_of_the_call():
     profile, x = dip(1e-5), np.array([-3e-6, 1e-7, 8e-6])
     wide = np.append(x, [1.0, -1e12])
     assert np.allclose(profile.slope(wide)[:3], profile.slope(x), rtol=1e-8, atol=0)
@@ -193,7 +195,7 @@ def test_a_derived_slope_is_that_of_its_place_whatever_stands_beside_it():
     )
 
 
-def test_a_derived_slope_of_a_shape_that_repeats_is_checked_once():
+def test_the_derived_slope_of_a_periodic_shape_is_checked_once():
     counted = []
 
     def height(x):
@@ -213,7 +215,7 @@ def test_a_derived_slope_of_a_shape_that_repeats_is_checked_once():
 
 
 @pytest.mark.parametrize("width", [0.3, 0.03])
-def test_where_a_height_drops_the_imaginary_part_differences_tell_its_slope(width):
+def test_if_a_height_drops_the_imaginary_part_its_slope_comes_from_differences(width):
     def height(x):
         x = np.asarray(x)
         return np.cos(2 * np.pi * x) + 0.1 * np.where(

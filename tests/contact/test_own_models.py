@@ -1,6 +1,4 @@
-"""Shapes and interactions of one's own, each one small class in the test, against exact answers
-derived beside it.
-"""
+"""User-defined profiles and interactions, against exact solutions that the comments derive."""
 
 from __future__ import annotations
 
@@ -25,7 +23,7 @@ WITHIN = np.linspace(-0.99, 0.99, 40)
 
 @dataclass(frozen=True)
 class Cosh(contact.Profile):
-    """f = s (cosh(x/s) - 1), without a slope."""
+    """The profile s (cosh(x/s) - 1), without a method for the slope."""
 
     scale: float
 
@@ -38,7 +36,7 @@ class Cosh(contact.Profile):
 
 @dataclass(frozen=True)
 class Exponential(contact.Profile):
-    """f = s (exp(x/s) - x/s - 1): steep on the right, flat on the left."""
+    """The profile s (exp(x/s) - x/s - 1): steep on the right, flat on the left."""
 
     scale: float
 
@@ -52,7 +50,7 @@ class Exponential(contact.Profile):
 
 @dataclass(frozen=True)
 class Tilted(contact.Profile):
-    """A flat punch of a width with sharp corners, tilted: its left corner touches first."""
+    """A tilted flat punch with sharp corners: its left corner touches first."""
 
     tilt: float
     width: float
@@ -72,7 +70,7 @@ class Tilted(contact.Profile):
 
 @dataclass(frozen=True)
 class Rounded(contact.Profile):
-    """Flat on the left of 0, where it ends in a sharp corner, a parabola on the right."""
+    """A profile that is flat from its sharp left corner to 0, and a parabola to the right of 0."""
 
     radius: float
     width: float
@@ -95,7 +93,7 @@ class Rounded(contact.Profile):
 
 
 def answer_of(zone, load, pressure):
-    """An exact answer as the judge reads one: p(t) on its one zone."""
+    """An exact solution with one zone, for `true_error`; pressure: function of the scaled position."""
     t = np.linspace(-1, 1, 2001)[1:-1]
     return SimpleNamespace(
         zones=np.array([zone]),
@@ -107,7 +105,8 @@ def answer_of(zone, load, pressure):
 
 
 class TestCosh:
-    # Shtaerman: P = (E*/2) int x f'/sqrt(a^2 - x^2) dx = (pi E*/2) a I_1(a/s).
+    # The load of a zone of half width a is P = (E*/2) int x f'/sqrt(a^2 - x^2) dx (Shtaerman). Here
+    # it is (pi E*/2) a I_1(a/s).
     @pytest.mark.parametrize("a", [1e-3, 0.3, 2.0])
     def test_the_derived_slope_gives_the_load_of_the_closed_form(self, a):
         load = 0.5 * np.pi * a * i1(a)
@@ -117,7 +116,7 @@ class TestCosh:
             assert abs(solution.load / load - 1) < 2e-8
         assert solution.plan["numerical slope"].used
 
-    def test_once_registered_it_is_made_by_name_and_sound(self):
+    def test_once_registered_the_profile_is_made_by_name_and_passes_its_check(self):
         contact.register_profile("cosh-of-the-test")(Cosh)
         try:
             made = contact.profile("cosh-of-the-test", scale=2.0)
@@ -130,10 +129,10 @@ class TestCosh:
 
 
 class TestExponential:
-    # Zone m +- w: no singularity asks for e^m I_0(w) = 1, and P = (pi E*/2) w e^m I_1(w), in units
-    # of s.
+    # The zone is [m - w, m + w], in units of s. The condition e^m I_0(w) = 1 makes the pressure
+    # bounded at both ends. The load is P = (pi E*/2) w e^m I_1(w).
     @pytest.mark.parametrize("w", [1e-4, 0.1, 1.0, 4.0])
-    def test_an_asymmetric_zone_is_where_its_ends_are_bounded(self, w):
+    def test_an_asymmetric_zone_is_where_the_pressure_is_bounded_at_both_ends(self, w):
         middle = -np.log(i0(w))
         load = 0.5 * np.pi * w * i1(w) / i0(w)
         solution = solve(Exponential(1.0), ISOLATED, tol=1e-8, load=load)
@@ -142,8 +141,8 @@ class TestExponential:
 
 
 class TestTiltedPunch:
-    # H sqrt((1-t)/(1+t)) = 1: p = (E*/2) tilt sqrt((b-x)/(x+h)) from the left corner -h to b, P =
-    # (pi E*/4) tilt (b+h).
+    # The transform T of sqrt((1-t)/(1+t)) is 1. So the pressure between the left corner -h and the
+    # free end b is (E*/2) tilt sqrt((b-x)/(x+h)), and the load is P = (pi E*/4) tilt (b+h).
     @pytest.mark.parametrize("share", [0.01, 0.5, 0.98])
     def test_a_light_load_touches_from_one_corner_with_one_free_end(self, share):
         tilt, h = 0.01, 1.0
@@ -157,7 +156,7 @@ class TestTiltedPunch:
         assert true_error(solution, answer, WITHIN) <= solution.error <= 1e-9
 
     @pytest.mark.parametrize("share", [1.02, 2.0, 100.0])
-    def test_a_heavy_one_lays_it_flat_with_two_singular_corners(self, share):
+    def test_under_a_heavy_load_both_corners_touch_and_are_singular(self, share):
         tilt, h = 0.01, 1.0
         load = share * 0.5 * np.pi * tilt * h
         solution = solve(Tilted(tilt, 2 * h), ISOLATED, tol=1e-9, load=load)
@@ -171,9 +170,10 @@ class TestTiltedPunch:
 class TestRoundedPunch:
     @pytest.mark.parametrize("b", [1e-3, 0.1, 0.7])
     def test_is_singular_at_its_corner_and_bounded_on_its_round_side(self, b):
-        # K = 0 at b for g = max(x, 0)/2R: with x = m + w cos(th) and x = 0 at th0, the load is P =
-        # w int_0^th0 g (1 + cos th) dth, from P + pi w c_1 = 0 and c_1 = -(2/pi) int g cos th dth /
-        # 2 ...
+        # On the zone x = m + w cos(th) the pressure obeys T p = g = max(x, 0)/2R, for E* = 1. Let
+        # x = 0 at th0, and let p be the sum of c_j T_j(t)/sqrt(1 - t^2) with t = cos(th). Then
+        # P = pi w c_0, and c_j = -(2/pi) int_0^th0 g sin(j th) sin(th) dth for j > 0. The intensity
+        # at b vanishes if the sum of all c_j is zero. This gives P = w int_0^th0 g (1 + cos th) dth.
         radius, left = 2.0, -1.0
         m, w = 0.5 * (b + left), 0.5 * (b - left)
         theta = np.arccos(-m / w)
@@ -190,7 +190,7 @@ class TestRoundedPunch:
 
 @dataclass(frozen=True)
 class Bedded(Interaction):
-    """A half-plane on a soft bed: K = 1/(x - xi) + c (x - xi), c [1/m^2]."""
+    """A half-plane on a soft bed, with the kernel 1/(x - xi) + c (x - xi); c in 1/m^2."""
 
     c: float
     name = "bedded"
@@ -204,8 +204,9 @@ class Bedded(Interaction):
 
 @dataclass(frozen=True)
 class Breathing(Interaction):
-    """A row over a substrate whose pressure also tilts the surface: Hilbert's kernel and a regular
-    sin(2 pi (x - xi)/L).
+    """A periodic substrate with the kernel (pi/L) cot(pi r/L) + c k sin(k r).
+
+    Here r is the distance x - xi, L the period, and k = 2 pi/L.
     """
 
     c: float
@@ -228,7 +229,8 @@ class Breathing(Interaction):
 class TestOwnInteractions:
     @pytest.mark.parametrize("c", [-0.5, 0.0, 0.3])
     def test_a_bed_under_a_parabola_changes_its_radius(self, c):
-        # int p (x - xi) = P x for a symmetric zone: 1/R becomes 1/R - 2 c P/(pi E*).
+        # For a symmetric zone the integral of p(xi) (x - xi) is P x. So the curvature 1/R becomes
+        # 1/R - 2 c P/(pi E*).
         load, radius = 0.4, 1.0
         curvature = 1 / radius - 2 * c * load / np.pi
         a = np.sqrt(4 * load / (np.pi * curvature))
@@ -236,7 +238,7 @@ class TestOwnInteractions:
         solution = solve(contact.Parabola(radius), Bedded(c), tol=1e-9, load=load)
         assert true_error(solution, answer) <= solution.error <= 1e-9
 
-    def test_several_zones_of_an_own_kernel_are_found_too(self):
+    def test_several_zones_under_a_user_defined_kernel_are_found_too(self):
         solution = solve(contact.Biquadratic(1.0, 0.4), Bedded(-0.5), tol=1e-8, load=2e-3)
         plain = solve(contact.Biquadratic(1.0, 0.4), ISOLATED, tol=1e-8, load=2e-3)
         assert len(solution.zones) == 2
@@ -245,9 +247,9 @@ class TestOwnInteractions:
 
     @pytest.mark.parametrize("c", [-0.2, 0.2])
     def test_a_periodic_kernel_with_a_regular_part_changes_the_wave(self, c):
-        # int p sin k(x - xi) = S sin kx for an even p, S = int p cos k xi: the amplitude D becomes
-        # D - 2 c S/(pi E*), and the answer is Westergaard's for that amplitude, S of which is found
-        # from its own pressure.
+        # For an even p the integral of p(xi) sin k(x - xi) is S sin kx, where S is the integral of
+        # p(xi) cos k xi. So the amplitude D becomes D - 2 c S/(pi E*). The exact solution is
+        # Westergaard's for the changed amplitude, and S is computed from its pressure.
 
         changed = exact.Westergaard(0.01, 1.0, 1.0, 0.2)
         nodes = np.cos((np.arange(200) + 0.5) * np.pi / 200)

@@ -1,8 +1,9 @@
 """Models whose operator is not the half-plane's: solved by their own kernel, or refused by name.
 
-The exact answer, for any zones: the kernel's waves act on the pressure's harmonics p_n alone, so
-that zones and pressure are those of a half-plane under the profile f + sum 2 (L_n - 1) p_n / (E*
-q_n), which is known once the pressure is.
+The exact solution, for any zones: the waves of the kernel act only on the harmonics p_n of the
+pressure. So zones and pressure are those of a half-plane under another profile, which is known once
+the pressure is. With the symbol L_n at the wave number q_n, this profile is f plus the sum over all
+n != 0 of 2 (L_n - 1) p_n exp(i q_n x)/(E* abs(q_n)).
 """
 
 from __future__ import annotations
@@ -19,15 +20,16 @@ from contact.studies.scene_families import Bed, Buried, Coated, PiecewiseLinear,
 from tests.contact.judge import solve, true_error
 
 WAVE = contact.Sinusoid(0.01, 1.0)
-# Of full contact on a half-plane: pi E* amplitude / period.
+# Mean pressure at which full contact of WAVE begins on a half-plane: pi E* amplitude / period.
 FULL = np.pi * 0.01
 TOGETHER = (0.8, -0.4, 0.3)
 TIPS = contact.Fourier(1.0, (-0.01, 0.006, 0.002), (0.002, -0.003, 0.001))
 
 
 def harmonic(solution, n):
-    """p_n = (1/l) int p exp(-2 pi i n x/l) dx, zone by zone in the angle, where the pressure is
-    smooth.
+    """The harmonic p_n = (1/L) int p exp(-2 pi i n x/L) dx of the pressure, with the period L = 1.
+
+    The integral over each zone is taken in the angle, in which the pressure is smooth.
     """
     angle = (np.arange(4000) + 0.5) * np.pi / 4000
     t, total = np.cos(angle), 0.0
@@ -39,7 +41,10 @@ def harmonic(solution, n):
 
 
 def on_a_half_plane(solution, excess):
-    """The half-plane's answer under the profile that the waves make of the solution's, at its load."""
+    """The solution of the equivalent half-plane (see the head of this file), under the same load.
+
+    excess: L_n - 1 for n = 1, 2, ...
+    """
     profile = solution.scene.profile
     if isinstance(profile, contact.Sinusoid):
         cosine, sine = [-profile.amplitude], [0.0]
@@ -80,7 +85,7 @@ class TestByItsZones:
             again = solve(TIPS, Bed(0.9, 0.1), tol=1e-8, **{control: getattr(given, control)})
             assert again.load == pytest.approx(given.load, rel=1e-7)
 
-    def test_its_mean_gap_is_that_of_the_gap_and_its_stiffness_that_of_the_loads(self):
+    def test_the_mean_gap_and_the_stiffness_are_those_of_the_gap_and_of_loads_and_approaches(self):
         near = [
             solve(TIPS, Bed(0.9, 0.1), tol=1e-11, load=0.2 * FULL * (1 + h))
             for h in (-1e-4, 0.0, 1e-4)
@@ -106,30 +111,31 @@ class TestByItsZones:
         assert solution.approach is None and solution.stiffness is None
 
     @pytest.mark.parametrize("load", [1.0, 100.0])
-    def test_a_kernel_that_varies_over_less_than_the_first_cells_looked_with_is_seen_in_their_mean(
+    def test_a_kernel_that_varies_within_a_cell_of_the_first_grid_is_averaged_over_the_cell(
         self, load
     ):
-        # The depth is some tenth of the contact, and a hundred-thousandth of the metre that is
-        # looked at first.
+        # The depth is small compared to the contact, and very small compared to a cell of the first
+        # grid.
         solution = solve(
             contact.Parabola(1e-3), Buried(-0.65, 1e-7), E_star=1e10, tol=1e-8, load=load
         )
         assert fault(solution.scene, solution) == ""
-        # Deep below: as a half-plane; far above: as one 1 + eps times as soft.
+        # If the contact were much narrower than the depth, the body would be a half-plane. If it
+        # were much wider, the half-plane would be 1 + eps times as soft. The width lies between
+        # these limits.
         radius = np.sqrt(4 * load * 1e-3 / (np.pi * 1e10))
         assert np.sqrt(0.35) * radius < solution.zones[0, 1] < radius
 
-    def test_the_window_of_a_lone_body_is_looked_for_with_its_own_kernel(self):
-        # So soft that contact is wider than the window in which a half-plane's is looked for.
+    def test_the_window_of_the_grid_of_an_isolated_body_is_sought_with_its_own_kernel(self):
+        # The body is so soft that its contact is wider than the window of the grid for a
+        # half-plane.
         wide = solve(
             contact.Polynomial((0.0, 0.0, 1.0, 0.3, 0.5)), Buried(300.0, 0.1), tol=1e-8, load=1e-3
         )
         assert fault(wide.scene, wide) == "" and len(wide.zones) == 1
 
-    def test_a_kernel_finer_than_the_modes_of_a_zone_is_named_at_the_first_grid_that_would_show_its_zones(
-        self,
-    ):
-        # A grid of four times as many points leads to the same zones, after minutes.
+    def test_a_kernel_too_fine_for_the_modes_of_a_zone_is_reported_after_one_grid(self):
+        # A grid of four times as many points would lead to the same zones, but only after minutes.
         at, heights = (
             np.array([-1.0, -0.9996, -0.6, 0.4, 0.4004, 1.0]),
             np.array([0.3, 0.03, -0.1, -0.1, 0.0, 0.3]),
@@ -236,7 +242,7 @@ class TestPath:
 
 @dataclass(frozen=True)
 class Raised(contact.Interaction):
-    """Waves((0.5,)) with a constant in the potential."""
+    """The same kernel as Waves((0.5,)), with an additional constant in its potential."""
 
     name = "raised"
     needs_period = True
@@ -251,7 +257,7 @@ class Raised(contact.Interaction):
 
 
 def made(kernel, **attributes):
-    """A model of one's own with this kernel(period, unit)."""
+    """An interaction of a new class with this function kernel(period, unit) and these attributes."""
     body = {
         "name": "made",
         "needs_period": True,
@@ -262,7 +268,7 @@ def made(kernel, **attributes):
 
 
 def waves(sine, cosine):
-    """Hilbert's kernel and a smooth part of d, a period of 2 pi."""
+    """A function kernel(period, unit): Hilbert's kernel plus a smooth part with its potential."""
 
     def kernel(period, unit):
         k = 2 * np.pi / period

@@ -1,6 +1,7 @@
-"""The paper, equation by equation and statement by statement: closed forms against the solver with
-the same closure and against quadrature, what is printed against what holds, and the results section
-against the exact solutions.
+"""The paper, equation by equation and statement by statement.
+
+Closed forms are compared with the solver under the same closure and with quadrature, printed
+equations with correct ones, and the results section with exact solutions.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ ALONE = {"wave": exact.IsolatedSinusoid, "wedge": exact.IsolatedWedge, "parabola
 families = pytest.mark.parametrize("family", FAMILIES)
 closures = pytest.mark.parametrize("closure", CLOSURES)
 
-# Figure 13 as it stands in the theory: E* = 1, R = 1, c = 0.05, L = 2.4c.
+# The parameters of figure 13: E* = 1, R = 1, c = 0.05, L = 2.4c.
 C = 0.05
 PAIR = {"radius": 1.0, "spacing": 2 * C, "period": 2.4 * C, "E_star": 1.0, "mean_pressure": 0.00109}
 
@@ -75,7 +76,7 @@ class TestOneZone:
             solved(family, closure, half_width=share * L),
         )
         assert theirs.load == pytest.approx(ours.load, rel=1e-10)
-        t = np.linspace(-0.99, 0.99, 34)  # not the tip, where a wedge's pressure is infinite
+        t = np.linspace(-0.99, 0.99, 34)  # without the tip, where a wedge's pressure is infinite
         scale = ours.load / (2 * ours.half_width)
         assert np.max(np.abs(theirs.pressure_at(t) - ours.pressure_at(t))) < 1e-9 * scale
         assert np.max(np.abs(1.00001 * theirs.pressure_at(t) - ours.pressure_at(t))) > 1e-9 * scale
@@ -165,7 +166,7 @@ class TestErrata:
         wrong = paper_forms.printed_cauchy_slope(hertz.pressure_at, hertz.half_width, E_STAR, t)
         np.testing.assert_allclose(wrong, 0.15 * L * t / 2e-3, atol=1e-12 * 0.3 * L / 2e-3)
 
-    def test_equation_8_has_the_sign_with_which_7_would_pull(self):
+    def test_equation_8_as_printed_has_the_sign_with_which_7_would_give_a_tension(self):
         shape = paper_forms.LocalizedShape(lambda x: x / 2e-3, E_STAR, L, 0.3 * L)
         x = 0.3 * L * np.linspace(0.1, 0.9, 9)
         np.testing.assert_array_equal(shape.printed_contact_slope(x), -shape.contact_slope(x))
@@ -177,14 +178,14 @@ class TestErrata:
         wrong = paper_forms.printed_strip_slope(x, 0.4 * L, L, 2e7, terms=200_000)
         np.testing.assert_allclose(
             wrong, -E_STAR * right, rtol=1e-3
-        )  # the tail of the sum is of order 1/terms
-        # Against the definition: u' = -(2/pi E*) int p (pi/L) cot(pi (x - xi)/L), over strips that
-        # do not hold x.
+        )  # the truncation error of the sum is of order 1/terms
+        # The same slope by its definition u' = -(2/(pi E*)) int p (pi/L) cot(pi (x - xi)/L) dxi, at
+        # a point x outside the strips of pressure p.
         outside = 0.3 * L
         made = quad(lambda xi: np.pi / L / np.tan(np.pi * (outside - xi) / L), -0.2 * L, 0.2 * L)[0]
         assert right[2] == pytest.approx(-2 * 2e7 / (np.pi * E_STAR) * made, rel=1e-12)
 
-    def test_a_uniform_pressure_on_everything_bends_nothing(self):
+    def test_a_uniform_pressure_everywhere_causes_no_slope(self):
         x = np.linspace(-0.45, 0.45, 7) * L
         assert (
             np.max(np.abs(paper_forms.strip_slope(x, L, L, 2e7, E_STAR)))
@@ -202,8 +203,8 @@ class TestErrata:
                 np.sqrt(a * a - x * x) * right.isolated_load / np.pi,
                 rtol=1e-13,
             )
-            # Of the dimension of a load: (pi/2) a (a + ...) times too small in these units, and
-            # never the same.
+            # The printed expression has the dimension of a load, not of a pressure. In these units
+            # it is far too small.
             assert np.all(printed.isolated_pressure(x) < 1e-6 * right.isolated_pressure(x))
 
     def test_equation_18_as_printed_does_not_add_up_to_19(self):
@@ -218,7 +219,7 @@ class TestErrata:
             1 / np.sqrt(np.pi * E_STAR * 1e-6)
         )
 
-    def test_equation_26_as_printed_is_no_number_on_the_left_half(self):
+    def test_equation_26_as_printed_is_nan_on_the_left_half(self):
         printed = paper_forms.PrintedLocalizedWedge(exact.IsolatedWedge(0.02, E_STAR, 0.3 * L), L)
         x = 0.3 * L * np.linspace(0.05, 0.95, 7)
         np.testing.assert_allclose(
@@ -227,9 +228,7 @@ class TestErrata:
         assert np.all(np.isnan(printed.pressure(-x)))
 
     @families
-    def test_the_examples_take_the_isolated_load_for_p_s_and_16_solved_is_another_closure(
-        self, family
-    ):
+    def test_the_examples_take_the_isolated_load_for_p_s_and_16_gives_another_closure(self, family):
         first, consistent = example(family, 0.35), example(family, 0.35, paper.SELF_CONSISTENT)
         s = np.sqrt(1 - 0.49)
         assert first.load == pytest.approx(first.isolated.load * (2 - s), rel=1e-14)
@@ -253,25 +252,25 @@ class TestTwoZones:
     def test_the_exact_periodic_pair_solves_its_equation_and_carries_its_load(self, share):
         top = 0.0046  # the zones merge a little above this
         pair = exact.PeriodicBiquadratic(**{**PAIR, "mean_pressure": share * top})
-        # The other zone, less than a period off, is what the nodes are for.
+        # The zone of the neighbouring period is near, which is why the rule needs so many nodes.
         assert reference.equation_error(pair, nodes=1200) < 1e-11 / min(1.0, 100 * share)
         assert reference.load_of(pair, 2000) == pytest.approx(pair.load, rel=1e-9)
         assert pair.pair.load == pytest.approx(pair.load, rel=1e-8)
 
-    def test_a_pair_with_the_wrong_end_does_not_solve_it(self):
+    def test_a_pair_with_a_wrong_end_does_not_solve_the_equation(self):
         pair = exact.PeriodicBiquadratic(**PAIR)
         wrong = exact.EvenPair.on(
             1.0001 * pair.pair.middle, pair.pair.half, _ratio_of(pair), 1.0, np.inf, PAIR["period"]
         )
         assert abs(wrong.ratio[0]) > 1e-6 * abs(wrong.ratio[1])
 
-    def test_it_is_the_solver_s_periodic_solution(self):
+    def test_the_exact_pair_is_the_solver_s_periodic_solution(self):
         pair = exact.PeriodicBiquadratic(**PAIR)
         theirs = contact.solve(_scene(contact.Periodic()), tol=1e-11)
         np.testing.assert_allclose(theirs.zones, pair.zones, rtol=0, atol=1e-10 * C)
         assert theirs.max_pressure == pytest.approx(pair.max_pressure, rel=1e-10)
 
-    def test_without_neighbours_near_it_is_the_pair_alone(self):
+    def test_in_a_long_period_the_exact_pair_is_the_isolated_pair(self):
         far = {**PAIR, "period": 4000 * C, "mean_pressure": 0.00109 * 2.4 / 4000}
         pair = exact.PeriodicBiquadratic(**far)
         alone = exact.IsolatedBiquadratic(1.0, 2 * C, 1.0, pair.load)
@@ -327,7 +326,8 @@ class TestTwoZones:
         cubic, printed = paper.CubicPair(**PAIR), paper.PrintedCubicPair(**PAIR)
         a, b = cubic.ends
         assert 0.5 * (a * a + b * b) == pytest.approx(cubic.beta / cubic.alpha, rel=1e-14)
-        # What makes the pressure bounded: int h' dxi/sqrt(Z) = 0; with the printed ends it is not.
+        # The pressure is bounded at the ends if int h' dxi/sqrt(Z) = 0. With the printed ends this
+        # integral is not zero.
         for pair, vanishes in ((cubic, True), (printed, False)):
             a, b = pair.ends
             y = 0.5 * (a * a + b * b) + 0.5 * (b * b - a * a) * np.cos(
@@ -361,8 +361,8 @@ class TestTwoZones:
         def literal(at):
             a, b = right.ends
 
-            # Gauss-Chebyshev, x halfway between two nodes, where the rule holds for principal
-            # values.
+            # In Gauss-Chebyshev quadrature, x is halfway between two nodes (in the angle). There
+            # the rule holds for principal values.
             n = 2000
             m, w = 0.5 * (a + b), 0.5 * (b - a)
             xi = m + w * np.cos((np.arange(n) + 0.5) * np.pi / n)
@@ -418,7 +418,7 @@ class TestResults:
             assert at.peak_error == pytest.approx(peak, abs=5e-5)
 
     @families
-    def test_the_pressure_is_close_everywhere_up_to_there_also_beside_an_infinite_peak(
+    def test_up_to_seven_tenths_of_the_period_the_pressure_is_close_also_near_an_infinite_peak(
         self, family
     ):
         t = np.linspace(0.001, 1.0, 400)
@@ -429,7 +429,9 @@ class TestResults:
             assert np.max(np.abs(ours.pressure_at(t) - ours.exact.pressure_at(t))) < most * scale
 
     @families
-    def test_beyond_it_the_width_is_overestimated_and_ever_more(self, family):
+    def test_beyond_seven_tenths_of_the_period_the_width_is_overestimated_more_and_more(
+        self, family
+    ):
         made, shape, _, _ = FAMILIES[family]
         off = [self._width_error(family, fraction) for fraction in (0.7, 0.72, 0.74)]
         assert 0.005 < off[0] < off[1] < off[2]
@@ -484,7 +486,8 @@ class TestResults:
     def test_almost_full_contact_can_be_taken_for_a_crack_at_these_widths(self):
         off = [self._crack_error(f) for f in (0.7, 0.8, 0.9)]
         assert off == pytest.approx([-0.0201, -0.00354, -0.000207], rel=0.01)
-        # (pi b/L)^2 for sin^2: the error falls as b^4.
+        # The crack has (pi b/L)^2 in place of sin^2(pi b/L), with the half width b of the gap. So
+        # its error falls as b^4.
         rate = np.polyfit(
             np.log([0.1, 0.05, 0.025]),
             np.log([-self._crack_error(1 - b) for b in (0.1, 0.05, 0.025)]),
@@ -493,8 +496,10 @@ class TestResults:
         assert rate == pytest.approx(4.0, abs=0.05)
 
     def test_figure_13_the_exact_pair_has_the_wider_zone_and_the_lower_peak_against_the_paper(self):
-        """The paper: density raises the peak and narrows the zone. So does its relation; the exact
-        solution does neither.
+        """According to the paper, dense arrangement raises the peak and narrows the zone.
+
+        The printed relation (38) does so, too. In the exact solution the peak falls and the zone
+        widens.
         """
         true, printed, alone = (
             exact.PeriodicBiquadratic(**PAIR),
@@ -578,8 +583,8 @@ class TestNeighbours:
         error = np.array([self._load(fraction, k) / true.load - 1 for k in m])
         rate = np.polyfit(np.log(2 * m + 1), np.log(error), 1)[0]
         assert -3.1 < rate < -2.9
-        # docs/paper/neighbours.md: (16/pi^2)(1/12 - mu/P L^2) ln(1/cos(pi a/L)), mu the second
-        # moment of the pressure.
+        # The factor (16/pi^2)(1/12 - mu/(P L^2)) ln(1/cos(pi a/L)) is derived in
+        # docs/paper/neighbours.md; mu is the second moment of the pressure.
         phi, _, half, weight = reference.zone_rule(true, 0, 400)
         mu = np.sum(weight * (half * np.cos(phi)) ** 2) / (np.sum(weight) * L * L)
         factor = 16 / np.pi**2 * (1 / 12 - mu) * -np.log(np.cos(0.5 * np.pi * fraction))

@@ -1,6 +1,4 @@
-"""Load paths: the events are where their own conditions say, and loading and unloading give the
-same states.
-"""
+"""Load paths: events are where their conditions hold, and unloading gives the states of loading."""
 
 from functools import lru_cache
 from itertools import pairwise
@@ -18,7 +16,7 @@ from contact.sweeps import event_search, paths
 BIQUADRATIC = contact.Biquadratic(radius=1.0, spacing=0.1)
 MERGING = exact.IsolatedBiquadratic(1.0, 0.1, 1.0, 1e-4).merging_load
 ROUGH = contact.Fourier(1.0, cosine=[-0.01, -0.003, -0.004], sine=[0.001, 0.002, 0.001])
-# Its one zone becomes two, and one again, time and again.
+# As the load grows, its one zone becomes two and then one again, several times.
 BUMPY = contact.Fourier(1.0, [-0.01, 0, 0, 0, 0, 0, -0.0004], [0.002, 0, 0, 0, 0, 0, 0])
 
 
@@ -131,7 +129,7 @@ def test_full_contact_is_reached_at_the_closed_form_load():
 
 
 @pytest.mark.parametrize("loads", [[], [0.0], [-1.0], [np.nan], "many", None])
-def test_loads_that_are_none_are_refused_by_name(loads):
+def test_values_that_are_no_loads_are_refused_by_name(loads):
     with pytest.raises(contact.SceneError, match="values"):
         path(scene(BIQUADRATIC, contact.Isolated()), loads)
 
@@ -156,7 +154,7 @@ def test_zones_that_are_born_and_merge_between_two_loads_of_one_zone_each_are_se
     (lambda x: 1 - 2 * x, 0.0, 1.0, 0.5),
     (lambda x: np.copysign(np.sqrt(abs(x - 1.1)), x - 1.1), 0.0, 3.0, 1.1),
 ])  # fmt: skip
-def test_a_smooth_root_takes_few_values(function, low, high, root):
+def test_the_root_of_a_function_takes_few_evaluations(function, low, high, root):
     asked = []
 
     def told(x):
