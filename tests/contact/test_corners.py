@@ -156,10 +156,11 @@ class TestTheExactContacts:
         tip = CorneredZone((-0.3, 0.3), rows([(0.0, 0.2)]), E_star=2.0, period=1.0)
         assert tip.pressure_at(T) == pytest.approx(wedge.pressure_at(T), rel=1e-13)
         assert tip.load == pytest.approx(wedge.load, rel=1e-14)
-        # The load P of a punch with a flat of half width b and shoulders of radius R, in
-        # contact on the half width a (M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212
-        # (1998) 319, doi 10.1243/0954406981521259): sin(phi0) = b/a, 4 P R/(E* b^2) = (pi - 2
-        # phi0)/sin(phi0)^2 - 2 cot(phi0).
+        # The punch has a flat of half width b and shoulders of radius R. In contact on the half
+        # width a, its load P obeys, with sin(phi0) = b/a,
+        # 4 P R/(E* b^2) = (pi - 2 phi0)/sin(phi0)^2 - 2 cot(phi0).
+        # M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319,
+        # doi 10.1243/0954406981521259.
         phi0 = np.arcsin(1 / 1.5)
         known = (np.pi - 2 * phi0) / np.sin(phi0) ** 2 - 2 / np.tan(phi0)
         assert 4 * SCENES["rounded punch"].load / 0.1 == pytest.approx(known, rel=1e-14)

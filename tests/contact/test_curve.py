@@ -65,7 +65,7 @@ def counted(monkeypatch):
     ],
     ids=["rough", "fraction", "approach", "two zones", "wedge", "localized", "punch"],
 )
-def test_each_solution_of_a_curve_is_that_of_a_solve_of_its_own(here, values):
+def test_each_solution_of_a_curve_is_that_of_a_single_solve(here, values):
     name = here.control[0]
     for value, one in zip(values, contact.solve_many(here, values), strict=True):
         control = {name: value}

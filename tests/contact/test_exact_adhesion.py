@@ -19,7 +19,7 @@ E_STAR = 3.0
 DATUM = 2.0 * L
 WAVE = dict(amplitude=0.02, period=L, E_star=E_STAR)
 CYLINDER = dict(radius=0.8, E_star=E_STAR, datum=DATUM)
-# The quadrature sums 400 terms of some ten times the result; 4000 eps is about 1e-12.
+# The quadrature sums 400 terms about ten times as large as the result; 4000 eps is about 1e-12.
 TOL = 1e-12
 
 
@@ -459,6 +459,7 @@ def test_cohesive_intervals_meet_without_a_jump_of_load_and_open_full_contact_at
 
 
 def test_a_pressure_off_by_one_part_in_1e8_fails_the_same_laws():
+    """Under JKR's law the work of adhesion is wrong by 1e-8, under Dugdale's law the pressure."""
     for state in (JKR[1], DUGDALE[1]):
         if isinstance(state, exact.JKRZone):
             wrong = replace(state, work=state.work * (1.0 + 1e-8))

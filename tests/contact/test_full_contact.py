@@ -44,7 +44,7 @@ class TestSmallestLoad:
 
     def test_of_a_fourier_series_lifts_the_lowest_pressure_to_zero(self):
         solution = solve(ROUGH, PERIODIC, contact_fraction=1.0)
-        # The grid of the reference value misses the minimum by 1e-13 of the curvature there.
+        # The grid of the reference value misses the minimum by 1e-13 times the curvature.
         assert abs(solution.mean_pressure / smallest_rough_load() - 1) < 1e-11
         assert solution.pressure(X).min() > -1e-12
 
@@ -252,9 +252,7 @@ class Arcs(contact.Profile):
 
 
 @pytest.mark.parametrize("places", [3, 300])
-def test_jumps_are_summed_one_by_one_or_as_one_piecewise_quadratic_of_which_points_see_few(
-    places, monkeypatch
-):
+def test_few_jumps_are_summed_one_by_one_and_many_as_one_piecewise_quadratic(places, monkeypatch):
     profile = Arcs(places)
     seen = []
     for name in ("clausen2", "clausen3"):
@@ -336,7 +334,7 @@ class TestAllButKinks:
         assert zones == [1] * (len(loads) - 1) + [0] and path.events == ()
 
 
-def test_what_rounding_makes_of_gaps_is_named():
+def test_the_uncertainty_of_gaps_by_rounding_is_named():
     zones = SimpleNamespace(a=np.array([0.0, 1.0]), b=np.array([0.5, 1.001]))
     free = SimpleNamespace(
         density=SimpleNamespace(zones=zones),

@@ -130,7 +130,7 @@ class TestBorders:
             x += up / np.sum(k**3 * (cosine * np.cos(k * x) + sine * np.sin(k * x)))
         with np.errstate(
             divide="raise", invalid="raise"
-        ):  # gaps on the way are narrower than the rounding of their places
+        ):  # intermediate gaps are narrower than the rounding of their positions
             best = _best(contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=1 - gap))
         off = (0.5 * float(best.zones.sum()) + 0.5 * PERIOD - x) / PERIOD + 0.5
         assert abs(off - np.floor(off) - 0.5) <= best.error

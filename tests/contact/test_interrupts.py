@@ -23,8 +23,8 @@ pytest.importorskip("click")
 def interrupted(
     folder: Path, after: str, command: tuple[str, ...] = ("-m", "contact")
 ) -> subprocess.CompletedProcess[str]:
-    """Result of a command that is interrupted once it has imported the module `after`.
-    Its scene file is a named pipe, for which the command waits without end.
+    """The result of a command that was interrupted once it had imported the module `after`.
+    The scene file of the command is a named pipe, for which the command waits without end.
     """
     os.mkfifo(folder / "scene.toml")
     arguments = [sys.executable, "-X", "importtime", *command, "solve", str(folder / "scene.toml")]
