@@ -417,8 +417,9 @@ class FoldedProfile(contact.Profile):
 
     @property
     def jumps(self):
-        """f'' = h'' Q'^2 + h' Q'', f''' = h''' Q'^3 + 3 h'' Q' Q'' + h' Q''', each jump with the
-        sign of Q'.
+        """Jumps of f'' = h'' Q'^2 + h' Q'' and of f''' = h''' Q'^3 + 3 h'' Q' Q'' + h' Q'''.
+
+        A jump of h counts with the sign of Q'.
         """
         out = []
         for x, J, Q in self._places:

@@ -248,9 +248,7 @@ def test_on_a_layer_in_full_contact_the_approach_determines_the_load(law):
 
 
 @pytest.mark.parametrize("law", quick(LAWS, LAWS[:1]), ids=["JKR", "Dugdale"])
-def test_on_a_base_jkr_s_full_contact_stays_and_dugdale_s_opens_at_one_load_under_both_controls(
-    law,
-):
+def test_on_a_layer_full_contact_stays_under_jkr_and_opens_at_one_load_under_dugdale(law):
     scene, lifted, load = on_a_base(law), 3e-6, MODULUS * 5e-6
     up = contact.path(scene, [-lifted, 6e-6, -lifted], control="approach")
     down = contact.path(scene, [-lifted, load, 0.0], control="load")
@@ -429,7 +427,7 @@ def test_the_followed_states_lie_on_the_curve_of_equilibria():
         )
 
 
-def test_surfaces_apart_are_shown_over_their_period_and_a_lone_body_s_are_not():
+def test_separate_surfaces_are_drawn_over_a_period_and_refused_without_one():
     below = loop("wave", "approach").solutions[0]
     surfaces, pressure = below.plot().axes
     assert not any(

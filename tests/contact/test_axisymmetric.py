@@ -286,7 +286,7 @@ def test_lengths_and_modulus_scale(rings, shape):
     assert two.approach == pytest.approx(one.approach * long, rel=1e-10)
 
 
-def test_sparse_spots_are_alone():
+def test_sparse_spots_are_like_isolated_ones():
     alone = solve_spot(Sphere(R), E, load=1e-3)
     sparse = solve_spot(Sphere(R), E, Density(1e-6), load=1e-3)
     # The neighbours change the radius by a part of the order (a/A)^3.

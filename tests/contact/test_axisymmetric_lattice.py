@@ -94,7 +94,7 @@ def ring_displacement(spot, lattice, rings, r):
     "shape", [Sphere(1.3), Cone(0.2), PowerLaw(3.0, 0.4)], ids=["sphere", "cone", "cubic"]
 )
 @pytest.mark.parametrize("rings", [1, 3])
-def test_the_pressures_summed_directly_close_the_contact(lattice, shape, rings):
+def test_the_pressures_summed_directly_satisfy_the_contact_condition(lattice, shape, rings):
     spot = solve_spot(shape, 2.0, lattice, spot_radius=0.45, rings=rings)
     for r in (0.05, 0.3, 0.44):
         u = ring_displacement(spot, lattice, rings, r)

@@ -86,7 +86,7 @@ def test_below_its_pressure_a_level_is_not_there_and_just_above_it_carries_littl
 
 @pytest.mark.parametrize("rings", [0, 1, inf])
 @pytest.mark.parametrize("over", [1e-5, 1e-3])
-def test_a_level_just_born_is_as_good_as_the_digits_of_its_depth(over, rings):
+def test_a_level_just_born_is_accurate_to_the_digits_of_its_depth(over, rings):
     """The accuracy of a new level is limited only by the round-off of its penetration.
 
     The penetration is the approach less the depth of the level.

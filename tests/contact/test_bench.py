@@ -93,7 +93,7 @@ class TestTruths:
             0.5 * slope(x), rel=1e-6
         )
 
-    def test_a_transform_of_another_pressure_is_not(self):
+    def test_the_transform_of_another_pressure_is_not_half_the_slope(self):
         x = np.cos(np.pi * 800 / 4000)
         assert transform_at(lambda t: 1.001 * PowerPunch(6).pressure_at(t), x) != pytest.approx(
             0.5 * x**5, rel=1e-4
@@ -313,7 +313,7 @@ class TestRuns:
         )
 
     def test_peers_that_are_not_installed_are_named_with_their_extra(self, tmp_path, monkeypatch):
-        # None in sys.modules is a module that cannot be imported.
+        # A module that is None in sys.modules cannot be imported.
         monkeypatch.setitem(sys.modules, "tamaas", None)
         monkeypatch.setitem(sys.modules, "ContactMechanics", None)
         result = CliRunner().invoke(main, ["bench", "--peers", "--out", str(tmp_path)])
@@ -441,7 +441,7 @@ class TestPages:
         short = shortened.faster_elsewhere(shortened.Cells(heads, rows, []))
         assert short.rows == [("one", "2 ms", "90 µs")]
 
-    def test_of_the_fast_scenes_the_slowest_is_shown(self):
+    def test_the_slowest_of_the_fast_scenes_is_shown(self):
         rows = [("a", "90 µs"), ("b", "2 ms"), ("c", "95 µs"), ("d", "3 s")]
         short = shortened.slow_scenes(shortened.Cells(("scene", "time"), rows, []))
         assert short.rows == [("b", "2 ms"), ("slowest of 2 below 1 ms: c", "95 µs"), ("d", "3 s")]

@@ -65,7 +65,7 @@ def test_a_contact_fraction_of_a_rough_trace_takes_few_loads(loads, fraction):
     assert again.contact_fraction == pytest.approx(fraction, rel=1e-6)
 
 
-def test_a_contact_fraction_beside_a_solution_needs_no_grid(loads, monkeypatch):
+def test_a_contact_fraction_near_a_solution_needs_no_grid(loads, monkeypatch):
     first = contact.solve(
         scene(
             honed(120),
@@ -129,7 +129,7 @@ class Made:
 
 @pytest.mark.parametrize("goal", [1e-5, 0.2, 0.4999999, 0.5000001, 0.9, 0.999])
 @pytest.mark.parametrize("grown", [approach, contact_fraction])
-def test_a_root_in_the_growth_is_bracketed_in_few_solutions(goal, grown):
+def test_a_square_root_in_the_growth_is_bracketed_in_few_solutions(goal, grown):
     """The value has an infinite rate at a load, as at births and mergers."""
 
     def solved(load, near):
@@ -145,7 +145,7 @@ def test_a_root_in_the_growth_is_bracketed_in_few_solutions(goal, grown):
     assert here.contact_fraction == pytest.approx(goal, abs=1e-6) and len(found) <= 60
 
 
-def test_a_load_without_a_solution_is_passed_by():
+def test_a_load_without_a_solution_is_skipped():
     def solved(load, near):
         if 0.191 < load < 0.1925 and near is not None:
             raise contact.NotConverged("not here", (), None)

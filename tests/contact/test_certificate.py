@@ -23,8 +23,9 @@ EXACT = design(ZONES, 1.0, 1e-3, 1.0)
 
 
 def certificate_of(zones):
-    """The certificate of the state on these zones, after their ends have moved to where the pressure
-    is bounded. Signs of pressure and gap are not tested before.
+    """The certificate of these zones, and the units, after the search for the zone ends.
+
+    At these ends the pressure is bounded. The search does not test signs of pressure and gap.
     """
     problem = scaled(contact.Scene(EXACT.profile, 1.0, contact.Periodic(), load=1e-3))
     load = 1e-3 / problem.units.load
@@ -67,7 +68,7 @@ def test_where_a_zone_is_missing_the_bodies_overlap():
     assert [lo < -0.025 < hi for lo, hi in units.x(certificate.overlaps)] == [True]
 
 
-def test_where_two_zones_are_taken_for_one_the_pressure_pulls_between_them():
+def test_the_pressure_is_negative_between_two_zones_that_are_taken_for_one():
     certificate, units = certificate_of([[-0.4, 0.0], [0.1, 0.4]])
     assert not certificate.holds and certificate.smallest_pressure < 0
     assert any(lo < -0.1 < hi for lo, hi in units.x(certificate.negative))
@@ -140,9 +141,7 @@ def test_the_zooms_at_a_kink_that_touches_zero_end(depth):
         (EXACT.profile, {"contact_fraction": 0.99}),  # gaps
     ],
 )
-def test_one_function_says_the_overlap_that_is_allowed_on_every_route(
-    monkeypatch, profile, control
-):
+def test_one_function_gives_the_allowed_overlap_on_every_route(monkeypatch, profile, control):
     scene = contact.Scene(profile, 1.0, contact.Periodic(), **control)
     before = contact.solve(scene).certificate.gap_rounding
     known = tolerances.TOLERANCES

@@ -403,7 +403,7 @@ def test_undeclared_corners_do_not_count_as_errors_of_the_slope():
 
 
 @pytest.mark.parametrize("constant", [1.0, 1e3, 1e6])
-def test_a_false_factor_that_noise_hides_on_every_panel_is_seen_on_all_of_them(constant):
+def test_a_false_factor_that_noise_hides_on_each_panel_is_seen_on_all_together(constant):
     # `hidden` is the round-off of the heights divided by the rise of a panel. All panels
     # together show a smaller false factor than one panel.
     hidden = 4 * 2.0**-53 * constant / 0.2

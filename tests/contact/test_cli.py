@@ -151,7 +151,7 @@ class TestSolve:
         monkeypatch.setattr(cli, "other_package", lambda: "contact 9, another project")
         assert run("profiles").stderr == "contact: warning: contact 9, another project\n"
 
-    def test_full_contact_is_told_in_words(self, scene):
+    def test_full_contact_is_printed_in_words(self, scene):
         result = run("solve", scene("mean_pressure = 4e9"))
         assert result.exit_code == 0
         assert "full contact" in result.stdout
