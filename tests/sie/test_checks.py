@@ -84,7 +84,7 @@ def test_a_primitive_of_another_function_is_refused_by_name(primitive):
 @pytest.mark.parametrize("seed", range(40))
 def test_a_rounded_primitive_is_accepted(seed):
     """The primitive is rounded to multiples of `unit`. On narrow zones far from the origin, this
-    rounding changes its slope by much, but it is no reason to refuse the primitive.
+    changes its slope between close points, but it is no reason to refuse the primitive.
     """
     rng = np.random.default_rng(seed)
     at, unit = rng.uniform(0.9, 1.1), 10 ** rng.uniform(-10.5, -9)

@@ -60,7 +60,7 @@ def test_the_potential_is_the_logarithmic_integral(case, places):
         assert density.potential(x) == pytest.approx(expected, abs=1e-10)
 
 
-def test_the_potential_of_a_wrong_density_does_not_pass(case):
+def test_the_potential_of_a_density_wrong_by_1e_8_is_detected(case):
     density, _, logarithm = case
     wrong = reference.potential(
         lambda t, zone: density.at_t(zone, t) * (1 + 1e-8), ENDS, 0.25, logarithm, [KINK]
@@ -100,7 +100,8 @@ def test_the_potential_is_continuous_across_the_ends(case):
     density, _, _ = case
     for end in ENDS.ravel():
         beside = density.potential(end + np.array([-1e-14, 0.0, 1e-14]))
-        # At the distance d from a singular end the potential has changed by about sqrt(d).
+        # At the distance d from a singular end, the potential differs from that at the end by
+        # sqrt(d).
         assert np.ptp(beside) < 1e-6
 
 

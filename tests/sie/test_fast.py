@@ -78,7 +78,7 @@ def test_rows_and_levels_are_those_of_the_matrix(kernel, symmetric):
     assert fast.level_constants == pytest.approx(constants, abs=1e-15)
 
 
-def test_a_far_zone_left_out_is_seen(monkeypatch):
+def test_a_far_zone_left_out_is_detected(monkeypatch):
     """If the moments of one zone are left out, the comparison of the test above fails."""
     rng = np.random.default_rng(3)
     direct, fast = systems(KERNELS["period"], scattered(40, rng))

@@ -23,8 +23,9 @@ def designs(draw, spread=3.0, most=12):
     """
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     period = draw(st.sampled_from([None, 1.0]))
-    # Without a period, the loads of many zones differ by factors of a million. An error of a
-    # fifth of a heavily loaded zone would exceed the load of a light one.
+    # Without a period, the loads of many zones differ by factors of a million. If the ends of a
+    # heavily loaded zone were wrong by a fifth of its width, the change of its load would exceed
+    # the load of a light zone.
     count = draw(st.integers(2, most if period else min(most, 6)))
     problem = inverse.random_problem(rng, count, period, E_star=2.0, spread=spread)
     return problem, equation_of(problem), perturbed(problem, rng, draw(st.floats(0.0, 0.2)))
@@ -62,7 +63,7 @@ def pressure_error(problem, density):
 
 
 @given(designs())
-def test_all_ends_and_pressures_are_found_from_a_fifth_of_a_width_off(case):
+def test_all_ends_and_pressures_are_found_from_ends_wrong_by_a_fifth_of_a_width(case):
     problem, equation, start = case
     found = sie.find_ends(equation, sie.Zones.of(start), 1e-12)
     error = np.abs(found.density.zones.table - problem.zones) / problem.zone_widths[:, None]
@@ -74,7 +75,7 @@ def test_all_ends_and_pressures_are_found_from_a_fifth_of_a_width_off(case):
 
 
 @given(designs(), st.sampled_from([1e-3, 1e-5, 1e-7, 1e-9]))
-def test_the_stated_error_of_every_end_is_honest_at_any_tolerance(case, tolerance):
+def test_the_stated_error_of_every_end_holds_at_any_tolerance(case, tolerance):
     problem, equation, start = case
     found = sie.find_ends(equation, sie.Zones.of(start), tolerance)
     error = np.abs(found.density.zones.table - problem.zones) / problem.zone_widths[:, None]
@@ -83,7 +84,7 @@ def test_the_stated_error_of_every_end_is_honest_at_any_tolerance(case, toleranc
 
 
 @given(designs(spread=10.0, most=8))
-def test_widths_and_gaps_may_differ_by_ten(case):
+def test_widths_and_gaps_may_differ_by_a_factor_of_ten(case):
     problem, equation, _ = case
     start = perturbed(problem, np.random.default_rng(1), 0.05)
     found = sie.find_ends(equation, sie.Zones.of(start), 1e-12)
@@ -123,7 +124,7 @@ def test_a_load_wrong_by_a_millionth_is_detected(case):
 
 
 @pytest.mark.parametrize(("gap", "period"), diagonal([1e-1, 1e-2, 1e-3], [None, 1.0]))
-def test_nearly_touching_zones_are_found_from_a_tenth_of_a_width_off(gap, period):
+def test_nearly_touching_zones_are_found_from_ends_wrong_by_a_tenth_of_a_width(gap, period):
     problem = inverse.design([[-0.2, -0.1 * gap], [0.1 * gap, 0.2]], 2.0, 0.05, period)
     for seed in range(4):
         start = perturbed(problem, np.random.default_rng(seed), 0.1)

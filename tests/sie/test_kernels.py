@@ -55,7 +55,7 @@ def test_the_mean_of_the_periodic_potential_is_zero():
     assert mean == pytest.approx(0.0, abs=1e-12)
 
 
-def test_images_come_to_the_periodic_kernel_like_one_over_their_number():
+def test_with_m_images_the_kernel_differs_from_the_periodic_one_by_about_one_over_m():
     d, counts = 0.3, np.array([4, 8, 16, 32, 64])
     exact = np.pi / np.tan(np.pi * d)
     errors = []

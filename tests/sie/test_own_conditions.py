@@ -146,7 +146,7 @@ OWN = {
 
 
 @pytest.mark.parametrize("name", OWN)
-def test_a_condition_of_ones_own_holds_by_matrix_and_by_fast_sums(monkeypatch, name):
+def test_a_user_s_condition_holds_by_matrix_and_by_fast_sums(monkeypatch, name):
     conditions, columns = OWN[name]
     zones = sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR)
     direct, iterated = by_matrix_and_by_sums(
@@ -171,7 +171,7 @@ def test_a_condition_of_ones_own_holds_by_matrix_and_by_fast_sums(monkeypatch, n
 
 @pytest.mark.parametrize("condition", [SameIntensities(), FirstTotal(0.2)])
 @pytest.mark.parametrize("gap", [0.1, 0.02, 1e-3])
-def test_a_condition_of_ones_own_holds_whatever_the_width_of_a_gap(condition, gap):
+def test_a_user_s_condition_holds_for_any_width_of_a_gap(condition, gap):
     """If a narrow gap were treated as a slit in one wide zone, there would be no first zone. So
     with a user's condition no gap is treated as a slit.
     """
@@ -233,7 +233,7 @@ BY_ZONE = {
 
 @pytest.mark.parametrize("symmetric", [False, True])
 @pytest.mark.parametrize("name", BY_ZONE)
-def test_a_condition_of_ones_own_on_every_zone_holds_by_matrix_and_by_fast_sums(
+def test_a_user_s_condition_for_every_zone_holds_by_matrix_and_by_fast_sums(
     monkeypatch, name, symmetric
 ):
     table = ROW - 0.5 * (ROW[0, 0] + ROW[-1, 1])
@@ -279,7 +279,7 @@ def test_coefficients_of_a_condition_for_every_zone_are_found_by_trial_values():
 
 
 @pytest.mark.parametrize("count", [40, 160])
-def test_many_zones_under_a_condition_of_ones_own_take_no_more_iterations(count):
+def test_many_zones_under_a_user_s_condition_take_no_more_iterations(count):
     """A user's condition takes as many iterations as `ZoneTotals`, for any number of zones."""
     first = np.arange(count) + 0.1 * np.random.default_rng(2).random(count)
     zones = sie.Zones.of(np.column_stack((first, first + 0.7)), sie.SINGULAR, sie.SINGULAR)
@@ -351,7 +351,7 @@ def test_rounding_of_the_side_conditions_is_in_the_stated_error(gap):
     right side is unknown.
 
     The narrower the gap, the worse the conditioning. A constant of the primitive and the datum of
-    the logarithm change the density by round-off only. This change is bounded by the stated
+    the logarithm change the density by round-off only. This change is less than twice the stated
     error.
     """
     zones = sie.Zones.of(
@@ -414,9 +414,7 @@ def test_a_given_intensity_at_given_ends_is_satisfied_by_fast_sums_too(monkeypat
 
 
 @pytest.mark.parametrize("name", ["one total", "levels", "springs"])
-def test_the_same_condition_of_ones_own_serves_a_matrix_fast_sums_and_narrow_gaps(
-    monkeypatch, name
-):
+def test_a_user_s_condition_holds_beside_a_narrow_gap_by_matrix_and_by_fast_sums(monkeypatch, name):
     """One gap is 1e-3 wide. With the engine's own conditions it is treated as a slit."""
     table = ROW.copy()
     table[5:] -= table[5, 0] - table[4, 1] - 1e-3

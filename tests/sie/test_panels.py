@@ -194,7 +194,7 @@ def test_the_number_of_kernel_calls_does_not_grow_with_the_spread_of_points():
 @pytest.mark.parametrize(
     "of", [VARIED, kernel(0.8, 0.3, of_lag=False), kernel(0.8, 0.3, PERIOD, of_lag=False)]
 )
-def test_a_kernel_of_both_places_is_of_low_rank_over_many_zones(of, monkeypatch):
+def test_over_many_zones_a_kernel_of_x_and_xi_is_summed_by_a_skeleton(of, monkeypatch):
     zones, x = sie.Zones.of(scattered(34)), np.linspace(-1.1, 1.1, 201)
     monkeypatch.setattr("sie.trees.panels.OPTIONS", PanelOptions(min_zones_of_skeleton=1000))
     direct = sie.solve_fixed(equation(of), zones)
@@ -284,7 +284,7 @@ def test_a_kernel_is_called_only_where_it_must_be_defined(count, of_lag):
     assert sie.solve(wanted, sie.Zones.of(table, sie.SINGULAR, sie.SINGULAR), 1e-8).error < 1e-8
 
 
-def test_a_kernel_of_both_places_is_called_less_often_than_zones_have_pairs_of_nodes():
+def test_a_kernel_of_low_rank_is_called_for_a_tenth_of_the_pairs_of_nodes():
     zones, places = sie.Zones.of(scattered(60)), [0]
 
     def value(x, xi):
