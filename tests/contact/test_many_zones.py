@@ -352,7 +352,7 @@ def test_a_rough_search_for_the_ends_takes_at_most_three_steps(monkeypatch):
 
 
 def test_a_search_can_start_from_the_modes_of_the_last_search(monkeypatch):
-    """On nearly the same zones, a start from the last solution saves over 40 % of the iterations."""
+    """On nearly the same zones, a start from the last solution saves 40 % of the iterations."""
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     solution, equation = solved_with_its_equation(1e-8)
     beside = sie.Zones.of(solution.zones + 1e-5 * np.diff(solution.zones) * np.array([0.4, -0.7]))

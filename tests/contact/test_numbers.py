@@ -35,8 +35,8 @@ def trace(count, uneven=0.0, seed=5):
 WAVES = contact.Fourier(1.0, *(0.01 * _random.normal(size=(2, 12)) * np.arange(1, 13) ** -1.3))
 ROUGH, UNEVEN = trace(64), trace(40, uneven=0.3)
 # (profile, share of the load of full contact): few zones, many zones, and contacts solved by their
-# gaps. Profiles with kinks have no full contact: their second number is the mean pressure (E* is
-# 1).
+# gaps. Profiles with kinks have no full contact: their second number is the mean pressure in units
+# of E*.
 SCENES = [
     *((WAVES, share) for share in (0.1, 0.5, 0.9, 0.999)),
     *((ROUGH, share) for share in (0.05, 0.3, 0.6, 0.95)),

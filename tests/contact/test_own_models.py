@@ -93,7 +93,7 @@ class Rounded(contact.Profile):
 
 
 def answer_of(zone, load, pressure):
-    """An exact solution with one zone, for `true_error`; pressure: function of the scaled position."""
+    """An exact one-zone solution for `true_error`. pressure: function of the scaled position."""
     t = np.linspace(-1, 1, 2001)[1:-1]
     return SimpleNamespace(
         zones=np.array([zone]),
@@ -173,7 +173,7 @@ class TestRoundedPunch:
         # On the zone x = m + w cos(th) the pressure obeys T p = g = max(x, 0)/2R, for E* = 1. Let
         # x = 0 at th0, and let p be the sum of c_j T_j(t)/sqrt(1 - t^2) with t = cos(th). Then
         # P = pi w c_0, and c_j = -(2/pi) int_0^th0 g sin(j th) sin(th) dth for j > 0. The intensity
-        # at b vanishes if the sum of all c_j is zero. This gives P = w int_0^th0 g (1 + cos th) dth.
+        # at b vanishes if the sum of all c_j is zero. So P = w int_0^th0 g (1 + cos th) dth.
         radius, left = 2.0, -1.0
         m, w = 0.5 * (b + left), 0.5 * (b - left)
         theta = np.arccos(-m / w)

@@ -257,7 +257,7 @@ class Raised(contact.Interaction):
 
 
 def made(kernel, **attributes):
-    """An interaction of a new class with this function kernel(period, unit) and these attributes."""
+    """An interaction of a new class, with this function kernel(period, unit) and attributes."""
     body = {
         "name": "made",
         "needs_period": True,
