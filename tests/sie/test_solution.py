@@ -1,4 +1,4 @@
-"""What a solution can be asked for: residual, report, capacity, figure, pickle."""
+"""Methods of a solution: residual, report, capacity, figure and pickling."""
 
 import copy
 import pickle
@@ -30,7 +30,8 @@ def test_the_residual_is_zero_on_the_zones_and_not_a_number_off_them():
     residual = found.residual(x)
     assert np.abs(residual[0]).max() < 1e-12 and np.abs(residual[1, :2]).max() < 1e-12
     assert np.isnan(residual[1, 2])
-    # The residual is that of the whole equation: it shows the column.
+    # The residual of the whole equation includes the column. Without the column, it would be the
+    # amplitude 0.3.
     off = found.density.transform(x[0]) - wave.value(x[0])
     assert np.abs(off - 0.3).max() < 1e-12
 
@@ -77,7 +78,9 @@ def test_the_capacity_scales_with_length_and_grows_with_the_set():
 
 
 def test_with_a_period_the_zones_are_arcs_of_a_circle():
-    """An arc of the angle a on the unit circle has sin(a/4), two opposite ones sqrt(sin(a/2))."""
+    """An arc of the angle a on the unit circle has the capacity sin(a/4), and two opposite arcs
+    of this angle have sqrt(sin(a/2)).
+    """
     circle, angle = sie.hilbert(2 * np.pi), 1.1
     one = solved(circle, [[0.3, 0.3 + angle]], sie.Total(1.0))
     two = solved(circle, [[0.0, angle], [np.pi, np.pi + angle]])
@@ -210,7 +213,7 @@ def test_the_figure_shows_every_zone_and_draws_on_given_axes():
     assert len([one for one in axes.lines if len(one.get_xdata()) > 2]) == 2
     x, phi = axes.lines[0].get_data()
     assert np.abs(found.density(x) / phi - 1).max() < 1e-9
-    assert axes.get_ylim()[1] < phi.max()  # singular ends do not hide the rest
+    assert axes.get_ylim()[1] < phi.max()  # large values at singular ends are cut off
     own = figures.Figure().subplots()
     assert found.plot(own) is own.figure and len(own.lines) == 3
     with pytest.raises(ValueError, match="matplotlib Axes"):

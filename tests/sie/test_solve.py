@@ -1,4 +1,6 @@
-"""Given zones: kinds of ends, counts, side conditions, symmetry, and kernels with a regular part."""
+"""Solutions on given zones: kinds of ends, number of side conditions, side conditions, symmetry,
+and kernels with a regular part.
+"""
 
 import itertools
 import math
@@ -65,7 +67,7 @@ def test_the_closed_forms_are_found(form, left, conditions):
     density = solve(forcing_of(form), conditions(form), form.zones, left, kernel=kernel).density
     for i in range(len(form.zones)):
         wanted = form.at(T, i)
-        # Rounding times the 20 modes that carry the solution.
+        # The tolerance is round-off times 20, the number of modes that the solution needs.
         assert density.at_t(i, T) == pytest.approx(
             wanted, rel=1e-12, abs=2e-14 * np.abs(wanted).max()
         )
@@ -81,14 +83,18 @@ def test_a_right_side_off_by_a_millionth_does_not_pass():
 # The four kinds of a zone and their count
 # ----------------------------------------------------------------------------
 def field(t, left, right):
-    """A density with the given ends, times (2 + t): K, or not, at each end."""
+    """A density on (-1, 1) that is singular or bounded at each end as given, with the factor
+    2 + t.
+    """
     power_left = 0.5 if left == sie.BOUNDED else -0.5
     power_right = 0.5 if right == sie.BOUNDED else -0.5
     return (1 + t) ** power_left * (1 - t) ** power_right * (2 + t)
 
 
 def transformed(left, right):
-    """g of `field` on (-1, 1), as a polynomial: T_j / sqrt -> -U_{j-1}, sqrt U_j -> T_{j+1}."""
+    """The right side for the density `field`, as a polynomial. The transform of
+    T_j / sqrt(1 - t^2) is -U_{j-1}, and that of sqrt(1 - t^2) U_j is T_{j+1}.
+    """
     if left == right == sie.SINGULAR:  # (2 + t) / sqrt
         return lambda t: -np.ones_like(t)
     if left == right == sie.BOUNDED:  # sqrt (2 U_0 + U_1 / 2)
@@ -110,8 +116,8 @@ def test_each_pair_of_kinds_of_ends_has_its_index_and_its_density(left, right):
     forcing = sie.Forcing(lambda x: g((x - middle) / w))
     ends = [[middle - w, middle + w]]
     if index < 0:
-        # More is asked than can be met by any g: a constant of unknown amplitude takes up the
-        # slack.
+        # A solution that is bounded at both ends exists only if g meets one condition. A
+        # constant of unknown amplitude, added to g, makes it meet this condition.
         column = sie.Forcing(np.ones_like)
         density = solve(forcing, [], ends, left, right, columns=(column,)).density
         assert density.amplitudes == pytest.approx([0.0], abs=1e-14)
@@ -170,7 +176,8 @@ def test_conditions_that_depend_on_each_other_are_refused():
 
 
 def test_the_width_of_unit_logarithmic_capacity_has_no_level():
-    # log(w / 2) = 0: the potential of the flat density vanishes, whatever the total.
+    # For the half width w = 2, log(w / 2) = 0. So the potential of the flat density vanishes on
+    # the zone, whatever the total.
     with pytest.raises(sie.SingularSystem):
         solve(NOTHING, [sie.Level(1.0)], [[-2, 2]])
 
@@ -198,7 +205,8 @@ def test_zones_that_do_not_fit_into_a_period_are_refused():
 # Side conditions
 # -----------------------------------------------------------------------------------------------------
 def test_a_moment_shifts_the_density():
-    # T_1 / sqrt has moment pi w^2 / 2 and no total; it needs a constant right side, the column.
+    # The density T_1 / sqrt(1 - t^2) has the moment pi w^2 / 2 and the total zero. Its transform
+    # is a constant on the zone, namely the column times its amplitude.
     conditions = [sie.Total(2.0), sie.moment(0.6)]
     density = solve(
         NOTHING, conditions, [[-0.5, 0.5]], columns=(sie.Forcing(np.ones_like),)
@@ -219,10 +227,11 @@ def test_a_moment_about_another_point_subtracts_the_total():
 
 @pytest.mark.parametrize("frequency", [1.0, 20.0, 300.0])
 def test_a_weight_may_oscillate(frequency):
-    # int cos(f x) / (pi sqrt(1 - x^2)) = J_0(f)
+    # int cos(f x) / (pi sqrt(1 - x^2)) dx = J_0(f)
     weighted = sie.Weighted(lambda x: np.cos(frequency * x), 0.25)
     density = solve(NOTHING, [weighted], [[-1, 1]]).density
-    # The weight's mean is known to rounding, its small integral loses that much.
+    # The integral J_0(f) has the round-off of terms of the size 1. So its relative error is
+    # large where J_0(f) is small.
     assert density.total == pytest.approx(0.25 / j0(frequency), rel=1e-14 / abs(j0(frequency)))
 
 
@@ -274,8 +283,8 @@ def test_an_amplitude_may_follow_the_total():
 
 @dataclass(frozen=True)
 class EqualIntensities(Condition):
-    """The density is as singular at the outer left as at the outer right end: written against the
-    protocol only.
+    """A user's own condition: the intensities at the leftmost and at the rightmost end are
+    equal. It uses only the protocol of `Condition`.
     """
 
     def count(self, zones):
@@ -293,7 +302,7 @@ def test_a_condition_of_ones_own_is_one_class():
     ).density
     left, right = density.intensities
     assert left[0] == pytest.approx(right[0], rel=1e-13)
-    # x + lambda is odd about the middle 0.3.
+    # With equal intensities, the right side x + lambda is odd about the middle 0.3 of the zone.
     assert density.amplitudes == pytest.approx([-0.3], abs=1e-14)
 
 
@@ -319,7 +328,7 @@ def test_half_a_symmetric_problem_is_the_whole_one(ends, kernel):
     equation = sie.Equation(kernel, KINKED, conditions)
     half = sie.solve_fixed(equation, sie.Zones.of(ends, sie.SINGULAR, sie.SINGULAR, symmetric=True))
     whole = sie.solve_fixed(equation, sie.Zones.of(ends, sie.SINGULAR, sie.SINGULAR))
-    # Half of the unknowns, and one total for all.
+    # The symmetric problem has at most half of the unknowns plus one.
     assert half.solver.size <= 0.5 * whole.solver.size + 1
     for i in range(len(ends)):
         assert half.density.at_t(i, T) == pytest.approx(
@@ -329,6 +338,9 @@ def test_half_a_symmetric_problem_is_the_whole_one(ends, kernel):
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["cauchy", "hilbert"])
 def test_a_central_zone_with_bounded_ends_needs_no_constant(kernel):
+    """A solution with bounded ends exists for an odd right side. The whole problem needs a
+    column, which gets the amplitude zero; the symmetric problem needs none.
+    """
     half = sie.solve_fixed(
         sie.Equation(kernel, KINKED, ()),
         sie.Zones.of([[-0.4, 0.4]], sie.BOUNDED, sie.BOUNDED, symmetric=True),
@@ -370,7 +382,7 @@ def test_zones_called_symmetric_must_be():
     "ends",
     [[], [[0, 1, 2]], [[1, 0]], [[0, 1], [1, 2]], [[0, np.nan]], [[0, np.inf]], [[0, 2], [1, 3]]],
 )
-def test_zones_that_are_none_are_refused(ends):
+def test_invalid_zones_are_refused(ends):
     with pytest.raises(ValueError, match="zone"):
         sie.Zones.of(ends)
 
@@ -378,8 +390,8 @@ def test_zones_that_are_none_are_refused(ends):
 # Regular kernels
 # -----------------------------------------------------------------------------------------------------
 def manufactured(k, phi, g, n=600):
-    """Right side of phi = (1 + 0.3 t) sqrt(1 - t^2): its Cauchy part g, and the regular part by
-    Gauss's rule.
+    """The right side for a given density phi on (-1, 1): its Cauchy transform g, plus the
+    integral with the regular kernel k by Gauss's rule.
     """
     theta = (np.arange(n) + 0.5) * math.pi / n
     xi, weight = np.cos(theta), np.sin(theta) / n
@@ -412,7 +424,7 @@ def test_a_regular_kernel_of_ones_own_is_resolved_in_both_variables(name):
     state = solve(
         sie.Forcing(value), [sie.Total(math.pi / 2)], [[-1, 1]], kernel=sie.cauchy() + sie.Smooth(k)
     )
-    # Rounding of sums over up to 400 modes.
+    # The tolerance is round-off of sums over up to 400 modes.
     assert state.density.at_t(0, T) == pytest.approx(half_disc(T), abs=1e-12)
     assert state.density.transform(T) == pytest.approx(value(T), abs=1e-12)
 
@@ -442,7 +454,8 @@ def test_a_potential_that_is_missing_is_asked_for():
 def test_a_zone_a_millionth_as_wide_is_solved_beside_a_wide_one(ratio):
     ends = np.array([[-1.0, 1.0], [2.0, 2.0 + ratio]])
     density = solve(LINEAR, [sie.Total(1.0), sie.EqualPotential()], ends).density
-    # The density of the narrow zone is known to rounding of the field of the wide one.
+    # On the narrow zone, the density has the round-off of the wide zone's field, which is
+    # relatively large. So the transform and the potential are compared.
     x = np.concatenate(
         (np.linspace(-0.99, 0.99, 21), ends[1, 0] + ratio * np.linspace(0.01, 0.99, 21))
     )
@@ -478,13 +491,14 @@ def test_the_moment_under_a_wave_is_a_bessel_function():
     density = solve(
         sie.Forcing(lambda x: np.cos(frequency * x)), [sie.Total(0.0)], [[-1, 1]]
     ).density
-    # cos(f t) = sum g_k U_{k-1}, g_1 = (2/pi) int cos(f cos) sin^2 = 2 J_1(f)/f
+    # The right side is cos(f t) = sum g_k U_{k-1}(t), and the moment is -pi/2 g_1. Here
+    # g_1 = (2/pi) int_0^pi cos(f cos(theta)) sin(theta)^2 dtheta = 2 J_1(f) / f.
     assert density.moment() == pytest.approx(
         -math.pi / 2 * 2 * j1(frequency) / frequency, rel=1e-12
     )
 
 
-def test_a_held_end_has_the_intensity_that_is_asked_for():
+def test_a_fixed_end_has_its_prescribed_intensity():
     end = sie.End(moves=False, intensity=0.7)
     forcing = sie.Forcing(lambda x: np.asarray(x, dtype=float))
     state = sie.solve_fixed(
@@ -493,7 +507,8 @@ def test_a_held_end_has_the_intensity_that_is_asked_for():
         1e-12,
     )
     assert np.allclose(state.density.intensities, 0.7, rtol=1e-13)
-    # (1/pi) int phi / (x - xi) = x: phi = sqrt(w^2 - x^2) + C / sqrt(w^2 - x^2), C = K sqrt(2 w).
+    # The solution of (1/pi) PV int phi / (x - xi) dxi = x is
+    # phi = sqrt(w^2 - x^2) + C / sqrt(w^2 - x^2), with the half width w and C = K sqrt(2 w).
     x = np.linspace(-0.49, 0.49, 21)
     root = np.sqrt(0.25 - x * x)
     assert np.allclose(state.density(x), root + 0.7 / root, rtol=1e-12)

@@ -1,4 +1,6 @@
-"""One call for fixed and free ends: its error is honest, and what it cannot do it says in words."""
+"""The function `sie.solve` for fixed and free ends: true errors are at most the stated error,
+and the reason of a failure is given in words.
+"""
 
 import math
 
@@ -31,7 +33,9 @@ def problem(form):
 
 
 def true_error(found, form):
-    """The errors that `Solution.error` bounds, from the closed form."""
+    """The largest true error of the density and of the ends, from the closed form.
+    `Solution.error` is a bound of it.
+    """
     table = found.zones.table
     ends = np.abs(table - form.zones).max(axis=1) / (table[:, 1] - table[:, 0])
     root = np.sqrt(1 - T * T)
@@ -56,7 +60,7 @@ def test_a_wrong_answer_does_not_pass_for_one_with_the_stated_error():
     assert true_error(found, exact.Hertz(1.0 + 1e-8)) > found.error
 
 
-def test_an_unknown_value_is_told_with_the_zones():
+def test_an_unknown_total_is_found_with_the_zones():
     form = exact.Westergaard(0.2, 1.0)
     forcing = sie.Forcing(form.value, form.primitive)
     equation = sie.Equation(
@@ -127,7 +131,8 @@ def test_a_search_that_stops_says_why_and_gives_its_best_state():
 
 
 def test_a_zone_that_shrinks_away_is_named():
-    # The right one of two tips is too high for so small a load.
+    # The profile has its lowest point on the right, at x = 1.19. Under so small a load, the zone
+    # on the left does not touch.
     forcing = sie.Forcing(lambda x: x**3 - x - 0.5, lambda x: x**4 / 4 - x**2 / 2 - 0.5 * x)
     equation = sie.Equation(sie.cauchy(), forcing, (sie.Total(0.02), sie.EqualPotential()))
     with pytest.raises(
@@ -177,7 +182,8 @@ def test_conditions_that_depend_on_each_other_are_wrong_input():
 @pytest.mark.parametrize("beside", [0.3, 1e-2, 1e-4])
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(5.0)], ids=["cauchy", "hilbert"])
 def test_a_right_side_that_is_singular_beside_a_zone_is_sampled_once(kernel, beside):
-    # As often as its nodes double it was sampled, which an expensive one is most of the time.
+    # If `singular_at` is not declared, the right side is sampled again whenever the number of
+    # nodes doubles. For an expensive right side, this takes most of the time.
     at = np.array([-1.5 - beside, 1.0 + beside])
     shifts = [0.0] if kernel.period is None else [-5.0, 0.0, 5.0]
 
@@ -201,8 +207,8 @@ def test_a_right_side_that_is_singular_beside_a_zone_is_sampled_once(kernel, bes
 
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4, 1e-5, 1e-9])
 def test_tandem_aerofoils_with_hardly_a_gap_between_them(gap):
-    """Of plates in a uniform stream, each with a Kutta condition behind, the density is the product
-    of sqrt(|x - b| / |x - a|).
+    """Plates [a, b] in a uniform stream, each with a Kutta condition at b, have as density the
+    product of sqrt(|x - b| / |x - a|) over all plates, apart from the sign.
     """
     theta = np.linspace(0.01, np.pi - 0.01, 300)
     left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2

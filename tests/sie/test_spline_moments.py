@@ -1,5 +1,5 @@
-"""Zones with many knots: what other zones see of them has the digits of the right side itself, not
-of its truncated powers.
+"""Zones with many knots of the right side. Their fields on other zones have the round-off of the
+right side itself, not the larger one of its truncated powers.
 """
 
 import mpmath
@@ -18,7 +18,9 @@ M = np.array([12, 20])
 
 
 def rough(knots, seed=0):
-    """A random walk of heights with kinked third derivative at every point, and its spline."""
+    """A periodic cubic spline through a random walk, and its slope as the right side. The second
+    derivative of the slope jumps at every inner knot.
+    """
     rng = np.random.default_rng(seed)
     x = np.linspace(-1, 1, knots + 1)
     heights = 1e-3 * np.cumsum(rng.normal(size=knots + 1))
@@ -46,8 +48,8 @@ def _cubic(c, x):
 
 
 def exactly(spline, zone, weight, derivative):
-    """(1/pi) int of the spline or its slope times weight(theta) over a zone, piece by piece in 30
-    digits.
+    """The integral (1/pi) int f weight(theta) dtheta over a zone, where f is the spline or its
+    derivative. It is computed piece by piece with 30 digits.
     """
     middle, half = ZONES.middle[zone], ZONES.half[zone]
     inner = [x for x in spline.x if abs(x - middle) < half]
@@ -78,7 +80,7 @@ def test_coefficients_and_means_are_those_of_the_right_side_to_its_own_digits():
     found, means = coefficients(forcing, ZONES, jumps, chosen, M)
     powers = np.abs(jumps.height).sum()
     size = np.abs(forcing.value(np.linspace(-0.8, 0.7, 400))).max()
-    assert powers > 1e3 * size  # what is not formed
+    assert powers > 1e3 * size  # truncated powers would lose three digits
     for zone, k in ((0, 1), (1, 9)):
         exact = exactly(
             spline, zone, lambda a, k=k: 2 * mpmath.sin(a) * mpmath.sin(k * a), derivative=True
@@ -91,7 +93,12 @@ def test_coefficients_and_means_are_those_of_the_right_side_to_its_own_digits():
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(2.2)], ids=["line", "period"])
 def test_the_density_is_the_one_that_truncated_powers_give(kernel, monkeypatch):
-    """The same equation with the jumps' parts among the unknowns, and beside them."""
+    """The density from integrals between the jumps agrees with the density from truncated
+    powers.
+
+    In the first case the unknowns are coefficients of the whole density. In the second case the
+    parts due to the jumps have closed forms, and are not among the unknowns.
+    """
     _, forcing = rough(100)
     equation = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
     state = sie.solve_fixed(equation, ZONES)
@@ -110,7 +117,9 @@ def test_the_density_is_the_one_that_truncated_powers_give(kernel, monkeypatch):
 def test_the_density_beside_a_plateau_is_the_one_that_truncated_powers_give(
     kernel, mirrored, monkeypatch
 ):
-    """The logarithms of a plateau are no part of the right side, and count beside its integrals."""
+    """The logarithms of a plateau are no part of the right side. Their coefficients are added to
+    those that integrals between the jumps give.
+    """
     spline, forcing = rough(100)
     zones, value = np.array([[-0.83, -0.1], [0.01, 0.7]]), sie.free_with_value(0.3)
     if mirrored:
@@ -142,8 +151,8 @@ def _mirrored(jumps):
 
 
 def test_levels_lose_their_digits_to_truncated_powers(monkeypatch):
-    """The comparison above can fail: means from the powers are a hundred times as rough, and more
-    with more knots.
+    """Means of the primitive from truncated powers have more than a hundred times the error of
+    means from integrals between the jumps. So the test of the means above can fail.
     """
     spline, forcing = rough(120)
     exact = [exactly(spline, zone, lambda a: 1, derivative=False) for zone in (0, 1)]
@@ -154,7 +163,10 @@ def test_levels_lose_their_digits_to_truncated_powers(monkeypatch):
     assert np.abs(powers - exact).max() > 100 * np.abs(between - exact).max()
 
 
-def test_stretches_end_at_the_jumps_and_turn_no_further_than_their_rule_allows():
+def test_the_rule_between_jumps_is_exact_for_a_constant():
+    """The weights of the rule add up to pi. The constant 1 has the coefficient 1 of U_0, and no
+    others up to the degree 700.
+    """
     _, forcing = rough(60)
     jumps = forcing.jumps_within(ZONES, sie.cauchy())
     rules = [rule(jumps, zone, highest) for zone, highest in ((0, 0), (1, 700))]

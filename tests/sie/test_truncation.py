@@ -1,5 +1,5 @@
-"""What series leave out, and what rounding has in them, stated up to the ends, where high
-coefficients count the most.
+"""Truncation and round-off of series. The stated error includes both, up to the ends of zones,
+where high coefficients matter most.
 """
 
 import numpy as np
@@ -13,7 +13,9 @@ THETA = np.concatenate((BESIDE, np.linspace(0.0101, np.pi - 0.0101, 600), np.pi 
 
 
 def off(state, exact):
-    """Largest difference of two densities but for what is singular at an end, and moves it."""
+    """The largest difference of two densities, without its parts that are singular at the ends.
+    These parts are errors of the ends.
+    """
     left, right = 2 * np.cos(THETA / 2) ** 2, 2 * np.sin(THETA / 2) ** 2
     pieces = range(len(state.density.zones))
     rest = np.array(
@@ -28,9 +30,9 @@ def off(state, exact):
 
 @pytest.mark.parametrize("gap", [1e-3, 0.1])
 @pytest.mark.parametrize("pole", [0.17, -0.1 + 0.01j, 0.06 + 0.004j, -0.05 + 0.03j])
-def test_what_short_series_leave_out_is_stated(gap, pole):
-    """Nodes fold it back onto the coefficients that are kept; with a slit between the zones, and
-    without.
+def test_the_truncation_of_short_series_is_stated(gap, pole):
+    """If the right side is sampled at few nodes, truncated coefficients are added to those that
+    are kept (aliasing). Between the zones is a slit (gap 1e-3) or a wide gap (0.1).
     """
     forcing = sie.Forcing(lambda x: (1 / (x - pole)).real, lambda x: np.log(np.abs(x - pole)))
     problem = sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))
@@ -43,10 +45,10 @@ def test_what_short_series_leave_out_is_stated(gap, pole):
 
 @pytest.mark.parametrize("wave", [1.0, 30.0, 200.0])
 @pytest.mark.parametrize("noise", [1e-6, 1e-9, 1e-12])
-def test_noise_of_the_right_side_is_stated_and_is_no_more_than_the_waves_let_in(noise, wave):
-    """If all n coefficients were noise, 1/sqrt(1 - t^2) would magnify it by n^1.5 near an end. But
-    the coefficients beyond the waves are left out. The bound is tested for the median of several
-    noises.
+def test_noise_of_the_right_side_is_stated_and_hardly_magnified(noise, wave):
+    """If all n coefficients were noise, 1/sqrt(1 - t^2) would magnify the noise by n^1.5 near an
+    end. But coefficients beyond those of the wave are left out. The median of the errors for
+    several noises is at most eight times the noise.
     """
     zones, total = sie.Zones.of([[-1.0, 1.0]]), (sie.Total(1.0),)
 
@@ -69,11 +71,10 @@ def test_noise_of_the_right_side_is_stated_and_is_no_more_than_the_waves_let_in(
 @pytest.mark.parametrize(
     "pole", [-0.2 + 6e-5j, -0.03 + 6e-5j, -0.2 + 2e-4j, -0.03 + 2e-4j, -0.2 + 8.3e-5j]
 )
-def test_what_is_left_out_beside_an_end_is_stated_though_points_far_from_it_hardly_show_it(
-    pole, start
-):
-    """Coefficients that fall slowly add up where the pole is, and nowhere else; with a slit between
-    the zones, and without.
+def test_truncation_near_an_end_is_stated_though_points_away_from_it_hardly_show_it(pole, start):
+    """A pole of the right side is very close to an end of the first zone. So the coefficients
+    fall slowly, and the truncated ones add up near the pole and nowhere else. Between the zones
+    is a wide gap or a slit.
     """
     forcing = sie.Forcing(lambda x: (1 / (x - pole)).real, lambda x: np.log(np.abs(x - pole)))
     problem = sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))

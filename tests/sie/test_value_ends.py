@@ -24,15 +24,17 @@ def cylinder(a=1.0, c=0.6):
 
 
 def wave(outer=0.9, inner=0.5):
-    """(H, p(u) on the right elastic interval) of T p = sin 2u with the period pi."""
+    """The limit H for T p = sin 2u with the period pi, a plateau on |u| < inner and contact on
+    |u| < outer.
+    """
     k = np.tan(inner) / np.tan(outer)
     return np.pi * np.sin(outer) * np.cos(inner) / ellipk(k * k)
 
 
 WAVE = sie.Forcing(lambda x: np.sin(2 * x), lambda x: -0.5 * np.cos(2 * x))
 PARABOLA = sie.Forcing(lambda x: x, lambda x: 0.5 * x * x)
-# Mean pressure of `wave`: p* (sin^2 A + sin^2 C) less (2 H / pi) J, with J by quadrature to 30
-# digits.
+# Mean pressure of `wave` with A = outer and C = inner: sin^2 A + sin^2 C - (2 H / pi) J, where
+# the integral J was computed with 30 digits.
 MEAN_OF_WAVE = 0.59267767061
 
 
@@ -91,7 +93,9 @@ def test_a_wave_with_a_plateau_at_its_crest(turn):
     ("kappa", "moves"), [(0.0, True), (0.2, True), (-0.4, True), (1.0, True), (-0.4, False)]
 )
 def test_the_equation_holds_by_quadrature(kappa, moves):
-    """Half a parabola: a plateau from its corner at -1.5, an end with a value, then a free end."""
+    """Half a parabola with a corner at -1.5. A plateau reaches from the corner to the left end
+    of the zone, where the density has the plateau's value. The right end is free.
+    """
     value, corner = 0.9, -1.5
     left = (sie.free_with_value if moves else sie.bounded_with_value)(value, until=corner)
     given = (sie.Total(1.2),) if moves else ()
@@ -99,7 +103,8 @@ def test_the_equation_holds_by_quadrature(kappa, moves):
     found = sie.solve(equation, sie.Zones.of([[-0.6, 0.7]], left, FREE))
     (a, b), density = found.zones.table[0], found.density
     assert np.allclose(density.at_t(0, [-1, 1]), [value, 0.0], atol=1e-12)
-    # By x = a + (b - a) sin^2, the roots at both ends become smooth: Gauss's rule converges.
+    # The substitution x = a + (b - a) sin(angle)^2 makes the square roots at both ends smooth,
+    # so that Gauss's rule converges fast.
     t, weights = np.polynomial.legendre.leggauss(240)
     angle = 0.25 * np.pi * (1 + t)
     s, rule = a + (b - a) * np.sin(angle) ** 2, 0.25 * np.pi * weights
@@ -140,7 +145,7 @@ def test_derivatives_by_the_load_are_those_of_the_closed_form():
     equation = sie.Equation(sie.cauchy(), PARABOLA, (sie.Total(load), sie.EqualPotential()))
     by_load = sie.solve(equation, zones, tol=1e-11).derivative(values=[1.0, 0.0])
 
-    # The same H with other a: K(k) is proportional to a.
+    # For another half width a and the same H, c follows because K(m) is proportional to a.
     def at(a):
         c = a * np.sqrt(brentq(lambda m: np.pi * a / (2 * ellipk(m)) - limit, 1e-9, 1 - 1e-9))
         return c, cylinder(a, c)[1]
@@ -192,7 +197,9 @@ def test_plateaus_with_two_values_are_refused():
 
 
 def test_a_plateau_at_the_crest_of_full_contact():
-    """The limit less the pressure is the pressure of Westergaard's contact of the trough."""
+    """The limit minus the pressure is the pressure of Westergaard's contact, with its zone at
+    the trough of the pressure.
+    """
     limit, mean = 1.5, 1.0
     end = sie.free_with_value(limit)
     equation = sie.Equation(sie.hilbert(np.pi), WAVE, sie.Total(mean * np.pi))
@@ -207,7 +214,8 @@ def test_a_plateau_at_the_crest_of_full_contact():
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["alone", "period"])
 def test_the_field_of_many_plateaus_by_a_tree_is_the_sum_over_their_ends(kernel, monkeypatch):
     rng, value, count = np.random.default_rng(3), sie.free_with_value(1.7), 120
-    # Between gaps there are two zones and a plateau in turn; every third zone is very narrow.
+    # Each row of `ends` is a zone, a plateau and a zone. In every third row the left zone is
+    # very narrow.
     ends = np.sort(rng.uniform(0.05, 0.9, 4 * count)).reshape(-1, 4)
     ends[::3, 1] = ends[::3, 0] + 1e-7 * (ends[::3, 1] - ends[::3, 0])
     zones = sie.Zones.of(ends.reshape(-1, 2), [FREE, value] * count, [value, FREE] * count)

@@ -1,4 +1,6 @@
-"""The exponent of a density at the ends: its scales, and the parts that know 1/2 only."""
+"""Exponents of a density at the ends of zones: scales that follow from them, and parts of the
+code that are valid for 1/2 only.
+"""
 
 from dataclasses import replace
 
@@ -17,6 +19,7 @@ NEAR = 1e-9  # distance from an end, over the half width
 
 
 def on(table, **kinds):
+    """Zones with the exponents of kappa = 0.7."""
     zones = sie.Zones.of(table, **kinds)
     return replace(zones, weight=Weight(np.full(len(zones), 0.7)))
 
@@ -40,7 +43,9 @@ def test_the_scales_are_the_limits_of_the_weight_at_both_ends(kappa, w):
 
 @pytest.mark.parametrize("weight", [HALF, Weight(np.array([-3.0])), Weight(np.array([0.4]))])
 def test_the_step_of_an_end_removes_its_intensity_to_first_order(weight):
-    """The density A (d + s)^(1-p) at distances d from an end has K = (1 - p) A s beside A."""
+    """If an end moves by s, the density A d^(1-p) at the distance d becomes A (d + s)^(1-p), to
+    first order A d^(1-p) + (1 - p) A s d^(-p). So its intensity is K = (1 - p) A s.
+    """
     s, d = 1e-7, 1e-2
     p = np.asarray(weight.exponent)
     found = ((d + s) ** (1 - p) - d ** (1 - p)) * d**p
@@ -48,7 +53,7 @@ def test_the_step_of_an_end_removes_its_intensity_to_first_order(weight):
     assert weight.secant_slope(-found, s) == pytest.approx(np.ones(p.shape), rel=1e-4)
 
 
-def test_of_one_half_they_are_the_roots_that_the_functions_on_one_zone_have():
+def test_the_scales_for_one_half_agree_with_the_functions_of_sie_basis_interval():
     w = np.array([0.3, 2.0])
     assert intensities(np.ones(2), np.zeros(2), w)[1] == pytest.approx(
         HALF.edge_scale(w), rel=1e-15
@@ -59,16 +64,16 @@ def test_of_one_half_they_are_the_roots_that_the_functions_on_one_zone_have():
     assert sides(np.array([0.0]))[0] == 2.0
 
 
-class TestWhatKnowsOneHalfOnly:
+class TestPartsThatAreValidForOneHalfOnly:
     EQUATION = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(1.0),))
 
-    def test_another_exponent_is_refused_by_the_rows(self):
+    def test_the_rows_refuse_another_exponent(self):
         with pytest.raises(ValueError, match="the rows of the equation: known for kappa = 0 only"):
             sie.solve(self.EQUATION, on([[-1.0, 1.0]]))
         with pytest.raises(ValueError, match="the rows of the equation"):
             find_ends(self.EQUATION, on([[-1.0, 1.0]]))
 
-    def test_jumps_slits_and_fast_sums_say_so_themselves(self):
+    def test_jumps_slits_and_fast_sums_refuse_another_exponent(self):
         kink = sie.Forcing(np.sign, jumps=sie.Jumps([0.0], 2.0))
         with pytest.raises(ValueError, match="jumps in closed form"):
             kink.jumps_within(on([[-1.0, 1.0]]), sie.cauchy())
@@ -83,7 +88,7 @@ class TestWhatKnowsOneHalfOnly:
         with pytest.raises(ValueError, match="fast sums"):
             unfit(charge, near)
 
-    def test_motions_say_so_themselves(self):
+    def test_motions_of_ends_refuse_another_exponent(self):
         state = sie.solve_fixed(self.EQUATION, sie.Zones.of([[-1.0, 1.0]]))
         other = replace(state, density=replace(state.density, zones=on([[-1.0, 1.0]])))
         with pytest.raises(ValueError, match="motions of ends"):

@@ -1,5 +1,5 @@
-"""Densities of the second-kind equation on one interval: against quadrature and recurrences in many
-digits, and by their laws.
+"""Densities of the second-kind equation on one interval, compared with quadrature and
+recurrences in high precision, and with the laws that they obey.
 """
 
 from functools import lru_cache
@@ -22,14 +22,16 @@ def alpha_of(kappa):
 
 
 def polynomial(kappa, n, t):
-    """p_n as a Jacobi polynomial of mpmath, by its norm."""
+    """The polynomial p_n at t, as a multiple of the Jacobi polynomial of mpmath."""
     a = alpha_of(kappa)
     scale = mp.factorial(n) / mp.sqrt(mp.rf(a, n) * mp.rf(1 - a, n))
     return scale * mp.jacobi(n, a - 1, -a, t)
 
 
 def quadrature(kappa, n, of):
-    """The integral of S_n times a function, each half in a variable without a singularity."""
+    """The integral of S_n times the function `of`. On each half of the interval, a substitution
+    removes the singularity at the end.
+    """
     a = alpha_of(kappa)
 
     def right(x):
@@ -45,7 +47,9 @@ def quadrature(kappa, n, of):
 
 @lru_cache
 def forward(kappa, count, left, less):
-    """Transforms of S_n by the forward recurrence, with as many digits as it loses and 40 more."""
+    """The transforms of S_n, n < count, by the forward recurrence. It is computed with 40 digits
+    more than it loses.
+    """
     growth = abs(mp.log(abs((left + less) / 2 + mp.sqrt(left) * mp.sqrt(less))))
     with mp.workdps(40 + int(growth * count)):
         a, z = alpha_of(kappa), (left + less) / 2
@@ -64,7 +68,9 @@ def forward(kappa, count, left, less):
 
 
 def near_ends(distance, angle):
-    """A point at a distance and an angle from each end, in many digits and in doubles."""
+    """The two points at a distance and an angle from the right and from the left end. Each is
+    (zeta + 1, zeta - 1), with 50 digits and as doubles.
+    """
     away = mp.mpc(complex(distance * np.cos(angle), distance * np.sin(angle)))
     with mp.workdps(50):
         right, left = (away + 2, away), (-mp.conj(away), -mp.conj(away) - 2)
@@ -114,7 +120,7 @@ def test_norms_moments_and_integrals(kappa):
     a = alpha_of(kappa)
 
     def part(distance):
-        """The integral over the piece of the given length at the right end."""
+        """The integral of the density over a piece of the length `distance` at the right end."""
 
         def of(x):
             d = x ** (1 / a)
@@ -179,7 +185,7 @@ def test_u_is_a_sum_of_the_polynomials_of_the_right_side(kappa):
     matrix = weighted.from_u(80)
     assert np.array_equal(matrix, np.triu(matrix))
     t = np.cos(np.linspace(0, np.pi, 33)[1:-1])
-    # Times the root of their weight and of sqrt(1 - t^2) all polynomials have one size.
+    # All polynomials are of the same size if they are multiplied by `root`.
     root = np.sqrt(weighted.bounded_weight(1 - t, 1 + t) * np.sqrt(1 - t * t))
     error = weighted.own(np.concatenate(([0.0], -matrix @ g)), 1 + t, 1 - t) - u_values(
         g[None], t[None]
@@ -211,7 +217,9 @@ def test_a_split_density_is_the_same_and_vanishes_at_bounded_ends(kappa):
 
 @pytest.mark.parametrize("kappa", KAPPAS)
 def test_intensities_and_edge_slopes_are_the_first_terms_at_the_ends(kappa):
-    """Times d^(1 - gamma) the density is K + A d up to d^2, which is small at 1e-5 half widths."""
+    """The density times d^(1 - gamma) is K + A d + O(d^2), where d is the distance from the end.
+    At d = 1e-5 half widths, the last term is negligible.
+    """
     weighted, c = JacobiFunctions(kappa), np.array([0.3, -0.7, 0.2, 0.5])
     d = np.array([1e-5, 3e-5])
     for k, slope, sides, gamma in zip(
@@ -265,7 +273,8 @@ def test_potentials_are_continuous_and_their_slopes_are_transforms(kappa):
     own = weighted.own_potential(c, left, right)
     scale = 1 / min(weighted.alpha, weighted.rest) + np.abs(upper).max()
     assert upper.real == pytest.approx(own, abs=2e-14 * scale)
-    # The stream function jumps by the integral of the density to the right.
+    # The imaginary part of the potential above the interval is the integral of the density from
+    # the point to the right end.
     integral = weighted.total(c) - weighted.integral_to(c, left, right)
     assert upper.imag == pytest.approx(integral, abs=2e-14 * scale)
     turns = np.exp(2j * np.pi * np.arange(16) / 16)

@@ -1,4 +1,6 @@
-"""Free ends stay where the right side is defined, and what lies beyond is said to."""
+"""Free ends stay inside the interval `within` where the right side is defined. If the solution
+lies at its border or beyond, the message says so.
+"""
 
 from __future__ import annotations
 
@@ -28,9 +30,10 @@ def problem(value, within, total, calls=None):
 @pytest.mark.parametrize("start", [[0.5, 2.0], [0.9, 1.1], [0.01, 30.0], [1e-3, 0.1]])
 @pytest.mark.parametrize("total", [0.01, 0.3, 1.0, 5.0])
 def test_ends_on_a_logarithm_are_found_from_any_guess_and_no_call_leaves_its_domain(total, start):
-    """A bounded density needs the integral of g over sqrt((x - a)(b - x)) to vanish.
+    """A bounded density exists only if the integral of g / sqrt((x - a)(b - x)) over the zone
+    vanishes.
 
-    For g = log x it is 2 pi log((sqrt(a) + sqrt(b)) / 2).
+    For g = log x this integral is 2 pi log((sqrt(a) + sqrt(b)) / 2).
     """
     calls = []
     with warnings.catch_warnings():
@@ -93,7 +96,9 @@ def test_zones_outside_the_domain_are_refused():
 
 @pytest.mark.parametrize("count", [4, 40])
 def test_several_zones_stay_inside_the_domain_of_the_right_side_and_of_the_columns(count):
-    """Of many zones some are moved by themselves: they too."""
+    """The right side is never evaluated outside `within`, with few zones and with many. The
+    domain of an equation is the intersection of the domains of its right side and its columns.
+    """
 
     def inside(x):
         assert x.min() > 0.0 and x.max() < count
