@@ -101,7 +101,7 @@ def test_the_potential_is_continuous_across_the_ends(case):
     for end in ENDS.ravel():
         beside = density.potential(end + np.array([-1e-14, 0.0, 1e-14]))
         # At the distance d from a singular end, the potential differs from that at the end by
-        # sqrt(d).
+        # about sqrt(d).
         assert np.ptp(beside) < 1e-6
 
 

@@ -124,8 +124,8 @@ def test_the_smooth_part_acts_on_jumps_and_on_uncoupled_modes(period):
 
 @pytest.mark.parametrize("period", [None, PERIOD])
 def test_a_mode_beyond_the_coupled_ones_acts_through_the_smooth_part(period):
-    # Without the smooth part, the density would be about -T_40 / sqrt(1 - t^2), whose total is zero.
-    # The coupled modes are then zero and do not show that mode 40 matters.
+    # Without the smooth part, the density would be about -T_40 / sqrt(1 - t^2), whose total is
+    # zero. The coupled modes are then zero and do not show that mode 40 matters.
     zones = sie.Zones.of([[-0.3, 0.3]])
     right = sie.Forcing(lambda x: np.sin(40 * np.arccos(x / 0.3)) / np.sqrt(1 - (x / 0.3) ** 2))
     wanted = sie.Equation(kernel(2.0, 0.1, period), right, (sie.Total(0.0),))
