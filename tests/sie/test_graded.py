@@ -204,7 +204,7 @@ def test_a_narrow_gap_across_the_border_of_the_period(gap):
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_bounded_ends_with_two_columns_of_unknown_amplitude(gap):
-    """F = z + c + X(p)/(z - p) - X/(z - p), so the amplitudes of the columns x and 1 are 1 and c."""
+    """F = z + c + X(p)/(z - p) - X/(z - p), so the columns x and 1 have the amplitudes 1, c."""
     table, pole = np.array([[-1.0, 0.0], [gap, 0.7]]), 1.6
     value = np.sqrt(np.prod(pole - table))
     equation = sie.Equation(
@@ -460,7 +460,7 @@ def charge_beside(gap: mpmath.mpf, on_right: bool) -> float:
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6, 1e-9, 1e-12])
 def test_free_ends_are_found_on_the_far_sides_of_fixed_ends_beside_a_gap(gap):
-    """F = Q - X M with X^2 = (z - a)(z - b) / (z (z - gap)), M = z + 2 and the free ends a and b."""
+    """F = Q - X M with X^2 = (z - a)(z - b) / (z (z - gap)), M = z + 2 and free ends a, b."""
     with mpmath.workdps(30):
         charges = [charge_beside(mpmath.mpf(gap), on_right) for on_right in (False, True)]
     shift = 2 + 0.5 * (1.0 - 0.7 + gap)
