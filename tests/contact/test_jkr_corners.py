@@ -220,7 +220,7 @@ def test_the_receding_branch_under_a_fixed_approach_is_where_a_path_down_arrives
         and solution.certificate.holds
     )
     assert solution.pull_off.load == pytest.approx(path.events[-1].load, rel=1e-9)
-    # A body pressed below first touch is in contact, so pull-off is at a negative approach.
+    # At a positive approach the bodies touch, so pull-off is at a negative approach.
     assert path.events[-1].kind == "pull-off" and path.events[-1].value < 0.0
 
 
@@ -236,7 +236,7 @@ def test_the_half_width_at_the_corners_is_refused_since_many_loads_have_it():
 
 
 @pytest.mark.parametrize("above", [1e-4, -1e-4])
-def test_an_end_at_a_limit_is_let_go_where_its_intensity_is_below_that_of_free_ones(above):
+def test_an_end_at_a_limit_is_released_if_its_intensity_is_below_that_of_a_free_end(above):
     k = 0.1
     reached = 0.5 * pi - pi * k * sqrt(2)
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(reached + above),))

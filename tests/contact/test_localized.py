@@ -119,7 +119,7 @@ class TestNeighbours:
 
     def test_the_zones_of_an_asymmetric_shape_converge_with_the_first_power_only(self):
         # The load of an asymmetric zone is not centred in the strip, but the uniform pressure
-        # beyond the neighbours acts as if it were.
+        # beyond the neighbours acts as if it were. This error falls only with the first power.
         whole = solve(LOPSIDED, PERIODIC, mean_pressure=0.01)
         m = np.array([1, 2, 4, 8, 16])
         strips = [

@@ -124,8 +124,8 @@ def test_loads_and_mean_gap_and_approach_are_those_of_the_fields(profile, share)
     ids=names,
 )
 def test_the_stiffness_is_the_derivative_of_the_load_by_the_approach(profile, share):
-    # Richardson: the quotient over twice the step gives a bound of the error of the quotient over
-    # one step.
+    # Richardson: the difference to the quotient over twice the step bounds the error of the
+    # quotient over one step.
     near, far = (_gain(profile, share, h) for h in (1e-3, 2e-3))
     assert abs(near - solved(profile, share).stiffness) <= abs(far - near) + 1e-5 * near
 
@@ -260,7 +260,7 @@ def assert_within_what_is_stated(solution, truth):
 
 
 def test_the_highest_of_several_peaks_of_nearly_equal_height_is_found():
-    # The highest sample of the pressure lies on another peak than its maximum.
+    # Among the solver's first samples of the pressure, the highest one is not on the highest peak.
     rng = np.random.default_rng(14)
     waves = contact.Fourier(1.0, *(1e-3 * rng.normal(size=(2, 20)) * np.arange(1, 21) ** -1.5))
     solution = solved(waves, 0.05)

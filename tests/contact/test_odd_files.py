@@ -164,7 +164,7 @@ def test_unknown_or_misplaced_units_are_not_ignored(
 )  # fmt: skip
 @pytest.mark.parametrize("between", [" ", "   "])
 @pytest.mark.parametrize("start", ["", "# ", "Begin of scan\n", "Date: 3/4/2024\n"])
-def test_units_between_blanks_stay_with_their_names(
+def test_units_between_blanks_belong_to_the_names_next_to_them(
     tmp_path: Path, header: str, between: str, start: str
 ) -> None:
     same(read(tmp_path, f"{start}{header}\n{table(between=between)}"), (1e-6, 1e-9))

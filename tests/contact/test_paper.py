@@ -252,7 +252,7 @@ class TestTwoZones:
     def test_the_exact_periodic_pair_solves_its_equation_and_carries_its_load(self, share):
         top = 0.0046  # the zones merge a little above this
         pair = exact.PeriodicBiquadratic(**{**PAIR, "mean_pressure": share * top})
-        # The zone of the neighbouring period is near, which is why the rule needs so many nodes.
+        # The nearest zone of the next period is close, so the quadrature needs many nodes.
         assert reference.equation_error(pair, nodes=1200) < 1e-11 / min(1.0, 100 * share)
         assert reference.load_of(pair, 2000) == pytest.approx(pair.load, rel=1e-9)
         assert pair.pair.load == pytest.approx(pair.load, rel=1e-8)
