@@ -1,5 +1,5 @@
-"""The pages: each is in the navigation, links lead somewhere, the reference is of public names, and
-nothing is loaded from elsewhere.
+"""Pages of the documentation: each is in the navigation, links lead to existing targets, the
+reference lists the public names, and nothing is loaded from other servers.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ IS_AWAY = re.compile(r"(?:https?:)?//")
 
 
 def entries(nav: Any) -> Iterator[str]:
-    """Pages that a navigation names."""
+    """File names of all pages in a navigation."""
     for entry in nav.values() if isinstance(nav, dict) else nav:
         if isinstance(entry, str):
             yield entry
@@ -41,7 +41,7 @@ def entries(nav: Any) -> Iterator[str]:
 
 
 def prose(page: Path) -> str:
-    """A page without its blocks of code and spans of it."""
+    """The text of a page without code blocks and code spans."""
     return re.sub(
         r"`[^`\n]+`",
         "",
@@ -52,7 +52,7 @@ def prose(page: Path) -> str:
 
 
 def anchors(page: Path) -> set[str]:
-    """What a link to a heading of a page may say."""
+    """Anchors that a link to a page may name: explicit ids, and those of headings."""
     found = set(re.findall(r'id="([^"]+)"', page.read_text(encoding="utf-8")))
     for heading in re.findall(r"^#+ (.*)$", prose_with_code(page), re.MULTILINE):
         plain = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).lower()
@@ -61,7 +61,7 @@ def anchors(page: Path) -> set[str]:
 
 
 def prose_with_code(page: Path) -> str:
-    """A page without its blocks of code, whose comments are no headings."""
+    """The text of a page without code blocks, in which comments look like headings."""
     return re.sub(
         r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL
     )
@@ -73,7 +73,7 @@ def test_every_page_is_in_the_navigation_once_and_every_entry_is_a_page() -> Non
 
 
 def address(page: str) -> str:
-    """The folder of the site in which a page stands."""
+    """The folder of the built site that contains a page."""
     return page.removesuffix(".md").removesuffix("index").rstrip("/")
 
 
@@ -95,7 +95,7 @@ def test_links_of_a_page_lead_to_what_is_there(page: Path) -> None:
 
 
 def test_a_file_that_the_site_shows_in_a_page_is_linked_before_it() -> None:
-    # Where the text of a page itself is read, the reader follows the link.
+    # A reader of the Markdown file does not see the included file, but can follow the link.
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         for block in re.finditer(r'^--8<-- "(.*)"$', text, re.MULTILINE):
@@ -115,7 +115,7 @@ def test_a_page_loads_nothing_from_elsewhere(page: Path) -> None:
 
 
 def hook(name: str) -> ModuleType:
-    """A file of docs that ProperDocs runs."""
+    """The module of a Python file in docs that ProperDocs runs."""
     spec = importlib.util.spec_from_file_location(f"docs_{name}", DOCS / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -138,7 +138,7 @@ def steps_of(change: str) -> list[tuple[str, str]]:
 
 
 def words_of(text: str) -> list[str]:
-    """Names in the code spans of a step, up to what it says to edit; paths of files left out."""
+    """Names in the code spans of a step before the word "Edit:", without paths of files."""
     told = re.split(r"\sEdit:", text)[0]
     spans = re.findall(r"`([A-Za-z_.]+)(?:\([^)`]*\))?`", told)
     return [span.rpartition(".")[2] for span in spans]
@@ -203,7 +203,7 @@ def test_the_reference_has_every_public_name_and_no_other(package: Any) -> None:
     )
 
 
-def test_a_heading_that_is_not_there_is_noticed(tmp_path: Path) -> None:
+def test_anchors_are_those_of_headings_outside_code_blocks(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text("# One, two: `three`\n\n```bash\n# four\n```\n", encoding="utf-8")
     assert anchors(page) == {"one-two-three"}
@@ -211,7 +211,7 @@ def test_a_heading_that_is_not_there_is_noticed(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The pages, built."""
+    """The folder of the built site."""
     if (
         importlib.util.find_spec("materialx") is None
         or importlib.util.find_spec("mkdocstrings") is None
@@ -271,7 +271,8 @@ def test_the_site_is_searched_in_a_browser_that_asks_no_other_machine(site: Path
                 page.click("document.querySelector('input.md-search__input')")
                 page.type("stated error")
                 found = "[...document.querySelectorAll('.md-search-result__link')].map(one => one.getAttribute('href'))"
-                # Results are replaced while letters are typed; those of all letters come last.
+                # The results change while letters are typed. The last ones are those of the
+                # whole query.
                 page.until(lambda: any("errors" in link for link in page.run(found)))
                 asked = [
                     address

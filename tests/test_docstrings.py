@@ -1,4 +1,4 @@
-"""Every exported name says what it takes, what it returns and raises, and has an example that runs."""
+"""Docstrings of exported names list all parameters, the result, and an example that runs."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ def sections(text: str) -> dict[str, str]:
 
 
 def told(section: str) -> set[str]:
-    """Names that stand at the head of a line, such as `x, y : float`."""
+    """Names before the colon of a line such as `x, y : float`."""
     heads = re.findall(r"^(\*{0,2}\w[\w, *]*?)(?: :.*)?$", section, re.MULTILINE)
     return {name.strip().lstrip("*") for head in heads for name in head.split(",")}
 
 
 def taken(thing: Any) -> set[str]:
-    """Names of what is given to a function, or to a class that a user makes."""
-    if getattr(thing, "_is_protocol", False):  # never made
+    """Names of the parameters of a function, or of a class of which users make objects."""
+    if getattr(thing, "_is_protocol", False):  # no object of it is made
         return set()
     try:
         return {name for name in inspect.signature(thing).parameters if not name.startswith("_")}
@@ -50,6 +50,7 @@ def taken(thing: Any) -> set[str]:
 
 
 def failures(name: str, thing: Any) -> int:
+    """The number of failed examples in a docstring, or -1 if it has no examples."""
     (found,) = doctest.DocTestFinder(recurse=False).find(thing, name, globs={})
     return (
         doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(found).failed

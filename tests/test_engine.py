@@ -1,4 +1,4 @@
-"""The engine on its own: every example of it says something true."""
+"""Examples of the engine `sie`: their results agree with closed forms or with other methods."""
 
 from __future__ import annotations
 
@@ -51,8 +51,9 @@ def test_plates_in_tandem_lift_what_the_closed_form_says_and_together_no_more_th
 
 
 def vortices(module: ModuleType, count: int) -> np.ndarray:
-    """Lift coefficients by discrete vortices at the quarter points of panels, no flow through their
-    three-quarter points (R. M. James, Comput. Methods Appl. Mech. Eng. 1 (1972) 59).
+    """Lift coefficients by discrete vortices. The vortices are at the quarter points of panels,
+    and no flow passes the three-quarter points (R. M. James, Comput. Methods Appl. Mech. Eng. 1
+    (1972) 59).
     """
     length = np.diff(module.PLATES) / count
     starts = module.PLATES[:, :1] + length * np.arange(count)
@@ -91,7 +92,8 @@ def test_sliding_punches_have_the_intensities_and_ends_of_their_closed_forms() -
         assert factors == pytest.approx(edge, rel=10 * flat.error + 1e-15)
         width = ends[1] - ends[0]
         assert cylinder.zones.table[0] == pytest.approx(ends, abs=10 * cylinder.error * width)
-        # The pressure is stronger behind than in front: at x < 0, as the punch moves to x > 0.
+        # The punch moves towards x > 0. With friction, the pressure is more singular at the rear
+        # end, x < 0, than at the front end.
         behind, before = np.ravel(flat.density.exponents)
         assert behind + before == pytest.approx(-1.0, abs=1e-14)
         assert (behind < before) == (mu > 0.0) and (ends[0] + ends[1] < -1e-9) == (mu > 0.0)
@@ -103,7 +105,8 @@ def test_interface_cracks_have_the_exponents_and_intensities_of_the_closed_form(
         eps = np.arctanh(beta) / np.pi
         assert one.density.exponents[1, 0] == pytest.approx(-0.5 + 1j * eps, abs=1e-14)
         assert abs(of_two[0]) > abs(of_two[1]) > abs(k)  # the inner tip is loaded most
-        # By symmetry the tips on the left have the conjugate intensities.
+        # By symmetry the intensities at the left tips are minus the conjugates of those at the
+        # right tips.
         left, right = two.density.intensities
         assert left[0] == pytest.approx(-np.conj(right[1]), rel=1e-10)
 
@@ -116,7 +119,7 @@ def test_a_punch_that_slides_back_is_the_mirrored_one() -> None:
     assert there.density(x) == pytest.approx(back.density(-x), rel=1e-11)
 
 
-def test_porous_plates_with_a_flap_lift_what_the_closed_form_says_and_less_with_every_pore() -> (
+def test_porous_plates_with_a_flap_lift_what_the_closed_form_says_and_less_the_more_porous() -> (
     None
 ):
     module = run("porous_aerofoil")
@@ -125,8 +128,9 @@ def test_porous_plates_with_a_flap_lift_what_the_closed_form_says_and_less_with_
         assert lift == pytest.approx(closed, rel=10 * found.error + 1e-14)
     lifts = [lift for _, _, lift, _ in rows]
     assert np.all(np.diff(lifts) < 0)
-    # H. Glauert, R. & M. 1095 (1927): the flap counts as the part 1 - (theta - sin theta) / pi of
-    # an incidence, cos theta = 2 h - 1 at the hinge, theta counted from the trailing edge.
+    # H. Glauert, R. & M. 1095 (1927): turning the flap has the effect of an incidence of
+    # (theta + sin theta) / pi times its angle, with cos theta = 2 h - 1 for the hinge at the
+    # part h of the chord.
     theta = np.arccos(2 * module.HINGE - 1)
     part = (theta + np.sin(theta)) / np.pi
     assert lifts[0] == pytest.approx(2 * np.pi * (module.INCIDENCE + module.FLAP * part), rel=1e-13)
@@ -137,7 +141,7 @@ def test_the_lift_of_a_porous_plate_is_the_downwash_times_the_adjoint_solution(r
     module = run("porous_aerofoil")
     kappa, _, lift, _ = module.main()[row]
     alpha = np.arctan2(1.0, kappa) / np.pi
-    # The substitution 1 - x = s^(1 / (1 - alpha)) takes the singularity away.
+    # The substitution 1 - x = s^(1 / (1 - alpha)) removes the singularity at x = 1.
     power = 1 / (1 - alpha)
     flap = quad(lambda s: (1 - s**power) ** alpha * power, 0, (1 - module.HINGE) ** (1 - alpha))[0]
     whole = np.pi * alpha / np.sin(np.pi * alpha)
@@ -176,11 +180,12 @@ def test_a_cut_splits_where_the_closed_form_has_it() -> None:
 
 
 def only_cut(middle: float) -> tuple[float, float, float, float]:
-    """(total, half width, place, height) of V' = x^3 - 5 x/2 + 3/10 with one cut about `middle`.
+    """(total, half width, place, height) for V' = x^3 - 5 x/2 + 3/10 and one cut about `middle`.
 
-    F = V' / 2 pi - X M / 2 pi, X = sqrt(w^2 - h^2), w = x - middle: as F is total / (pi x) far away,
-    M = w^2 + 3 m w + 3 m^2 - A + h^2/2, h^2 = -2 V'(m) / (3 m). The height is that of the potential
-    less V / 2 pi over its level on the cut, at the last root of M.
+    The transform is F = (V' - X M) / (2 pi), with X = sqrt(w^2 - h^2), w = x - m, m = `middle`
+    and the half width h. Far away F is total / (pi x), so M = w^2 + 3 m w + 3 m^2 - 5/2 + h^2/2
+    and h^2 = -2 V'(m) / (3 m). The place is the last root of M. The height is the potential
+    minus V / (2 pi) at this place, less its level on the cut.
     """
     square = -2 * (middle**3 - 2.5 * middle + 0.3) / (3 * middle)
     total = (3 * middle**2 - 2.5) * square / 4 + 3 * square**2 / 16
@@ -200,7 +205,8 @@ def test_a_cut_is_born_where_the_other_well_reaches_the_level() -> None:
     total, half, place, _ = only_cut(middle)
     assert birth == pytest.approx(total, rel=1e-11)
     assert at == pytest.approx(place, rel=1e-10)
-    # Just after the birth the first cut has hardly changed, and the second one is about this place.
+    # Just after the birth, the first cut has hardly changed, and the second cut contains the
+    # place of the birth.
     first, second = rows[1].zones.table
     assert first == pytest.approx([middle - half, middle + half], abs=1e-3)
     assert second[0] < place < second[1]
@@ -209,7 +215,7 @@ def test_a_cut_is_born_where_the_other_well_reaches_the_level() -> None:
     assert rows[0].density.totals.sum() == pytest.approx(0.8 * birth, rel=1e-12)
 
 
-def test_what_is_not_in_the_contract_is_refused_as_its_page_says() -> None:
+def test_equations_that_the_engine_does_not_solve_are_refused() -> None:
     for kappa, message in ((lambda x: x, "kappa must be a finite number"), (1j, "-1 < beta < 1")):
         with pytest.raises(ValueError, match=message):
             sie.Equation(sie.cauchy(), np.ones_like, sie.Total(1.0), kappa=kappa)

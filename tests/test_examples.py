@@ -1,5 +1,5 @@
-"""Every example runs, says something true, and is short enough to read; every scene file solves to
-its tolerance.
+"""Every example runs, agrees with known results and has at most forty lines. Every scene file is
+solved to its tolerance.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def module(name: str) -> ModuleType:
 
 @pytest.fixture
 def own_names():
-    """Names that examples register are taken out again."""
+    """The names that an example registers are removed after the test."""
     registries = (registry.PROFILES, registry.INTERACTIONS, registry.SUBSTRATES, registry.LAWS)
     before = [set(known.all()) for known in registries]
     yield
@@ -55,7 +55,9 @@ NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
 def differing(said: str, printed: str) -> list[tuple[str, str]]:
-    """Words, and numbers that are no rounding, of two prints that are not the same."""
+    """Differences between two printed texts: pairs of numbers that differ by more than
+    round-off, and both texts if their words differ.
+    """
     ours, theirs = (
         (NUMBER.sub("", text).split(), NUMBER.findall(text)) for text in (said, printed)
     )
@@ -75,9 +77,9 @@ def test_prints_that_differ_by_more_than_rounding_are_noticed() -> None:
     assert differing("a 1.0", "a 1.1") and differing("a 1.0", "b 1.0")
 
 
-# At most: solves of the linear system, modes of one solution, kernel evaluations, places at which a
-# profile is asked for anything. About three times what was counted: what a change makes slow costs
-# ten times as much and more.
+# Upper limits of (solves of the linear system, modes of one solution, kernel evaluations,
+# positions at which a profile is evaluated). They are about three times the measured counts. A
+# change that makes an example slow multiplies its counts by ten or more.
 COUNTS = {
     "adhesion": (300, 300, 1e6, 6e5),
     "alike": (100, 500, 1e5, 1e6),
@@ -116,8 +118,8 @@ COUNTS = {
 
 @pytest.fixture
 def work(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
-    """What `contact.solve` has cost: the counts of its plans, and the places at which its profiles
-    were asked for anything.
+    """The work done by `contact.solve`: the counts in the plans of its solutions, and the number
+    of positions at which their profiles were evaluated.
     """
     spent: Counter[str] = Counter()
     solve = contact.solve
@@ -150,7 +152,7 @@ def assert_within(name: str, spent: Counter[str]) -> None:
     for kind, most in zip(
         ("solves", "own_modes", "kernel_evaluations", "places"), COUNTS[name], strict=True
     ):
-        # One zone by itself is solved in one series, without kernels.
+        # A single zone is solved by one series, without kernel evaluations.
         assert (spent[kind] > 0 or kind == "kernel_evaluations") and spent[kind] <= most, (
             f"{kind}: {spent[kind]} for {most:g}"
         )
@@ -184,8 +186,8 @@ def test_a_scene_file_is_solved_to_the_tolerance_with_a_certificate(
 
 def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> None:
     solution = module("own_profile").main()
-    # One symmetric zone: P = int f' x / sqrt(a^2 - x^2) dx E*/2, here by Gauss-Chebyshev in x = a
-    # t.
+    # For one symmetric zone P = (E*/2) int f' x / sqrt(a^2 - x^2) dx, here by Gauss-Chebyshev
+    # quadrature with x = a t.
     a, t = solution.zones[0, 1], np.cos((np.arange(400) + 0.5) * np.pi / 800)
     load = 0.5e11 * np.pi * a * np.mean(solution.scene.profile.slope(a * t) * t)
     assert load == pytest.approx(solution.load, rel=1e-12)
@@ -210,7 +212,8 @@ def test_the_rounded_punch_carries_the_load_of_its_closed_form() -> None:
         a = solution.zones[0, 1]
         phi = np.arcsin(1e-3 / a)
         load = 1e11 * 1e-6 / (4 * 5e-3) * ((np.pi - 2 * phi) / np.sin(phi) ** 2 - 2 / np.tan(phi))
-        # Just past the flat the load goes with (a/b - 1)^(3/2), and that with the end.
+        # Just beyond the flat part, the load is proportional to (a/b - 1)^(3/2). So the error of
+        # a is magnified by 1 / (a/b - 1).
         assert load == pytest.approx(solution.load, rel=1e-12 + 4 * solution.error / (1e3 * a - 1))
 
 
@@ -239,7 +242,7 @@ def test_two_faces_mate_where_the_tips_of_one_stand_in_the_valleys_of_the_other(
     found = module("registration").main()
     assert [len(s.zones) for s in found] == [1] * 8 + [3]
     assert np.all(np.diff([s.mean_gap for s in found]) < 0)
-    # Beyond, it is the same the other way round: both faces are symmetric.
+    # Both faces are symmetric, so the opposite shift gives the mirror image of the zone.
     pair = found[5].scene.profile
     beyond = contact.Combined(pair.profile, pair.counter, -pair.shift)
     other = contact.solve(
@@ -306,8 +309,8 @@ def test_a_sliding_roller_has_the_closed_form() -> None:
 
 
 def rms_slope(profile: contact.Sampled) -> float:
-    """Of the spline itself: f' squared is of degree 4 between knots, which three Gauss points
-    integrate exactly.
+    """The root mean square slope of the spline. Between knots f'^2 is a polynomial of the degree
+    4, which three Gauss points integrate exactly.
     """
     knots = np.append(profile.x, profile.x[0] + profile.period)
     t, weights = np.polynomial.legendre.leggauss(3)

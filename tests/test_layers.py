@@ -1,5 +1,5 @@
-"""Who may import whom: `contact` stands on the public names of `sie`; within each package files
-stand in an order.
+"""Rules of imports: `contact` uses only public names of `sie`, and the folders of each package
+have an order.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from tests.interpreter import loaded_after_each
 
 ROOT = Path(__file__).parents[1]
 
-# From the ground up: what stands in a room, or in a file beside the rooms, imports from its own
-# room and those to its left only.
+# The folders of each package, and the files beside them, from the bottom up. A file imports only
+# from its own folder and from those to the left of it.
 ORDER = {
     "sie": """
         loops basis trees jumps equation density dense fast states graded second_kind slits ends results reasons solver
@@ -32,7 +32,7 @@ ORDER = {
     """,
     "contact.search": "options topology grid context feasibility strategies find refine __init__",
 }
-# The only files that import by name: what is heavy, where a scene needs it.
+# The only files that import modules by name: they import heavy modules when a scene needs them.
 ON_DEMAND = {"contact.extras", "sie.basis.lazy"}
 HEAVY = (
     "numba",
@@ -50,7 +50,7 @@ HEAVY = (
 
 
 def modules(package: str) -> dict[str, Path]:
-    """Name below the package, such as `model.scene` or `model.__init__`, to file."""
+    """Files by their names in the package, such as `model.scene` or `model.__init__`."""
     folder = ROOT / package.replace(".", "/")
     return {
         ".".join(f.relative_to(folder).with_suffix("").parts): f
@@ -66,7 +66,7 @@ def parsed(file: Path) -> ast.Module:
 
 @cache
 def imports(tree: ast.AST) -> tuple[tuple[str, str | None], ...]:
-    """(module, name or None) of every import, those for type checkers among them."""
+    """(module, name or None) of every import, including imports for type checkers."""
     return tuple(_imports(tree))
 
 
@@ -90,7 +90,7 @@ def targets(package: str, names: dict[str, Path], tree: ast.AST) -> Iterator[str
 
 
 def upward(package: str, text: str) -> list[str]:
-    """Imports from a room to the right of one's own."""
+    """Imports from a folder that is to the right of the file's own folder in `text`."""
     names, rooms = modules(package), text.split()
     return [
         f"{package}.{name} imports {package}.{other}"
@@ -101,7 +101,7 @@ def upward(package: str, text: str) -> list[str]:
 
 
 def circles(package: str) -> list[str]:
-    """Files that import themselves by way of others."""
+    """Files whose imports form a cycle, and files that import such a file."""
     names = modules(package)
     below = {name: set(targets(package, names, parsed(file))) for name, file in names.items()}
     while ground := [name for name, others in below.items() if not others]:
@@ -113,22 +113,22 @@ def circles(package: str) -> list[str]:
 
 
 @pytest.mark.parametrize("package", ORDER)
-def test_rooms_import_downwards_only(package: str) -> None:
+def test_folders_import_downwards_only(package: str) -> None:
     assert upward(package, ORDER[package]) == []
 
 
 @pytest.mark.parametrize("package", ORDER)
-def test_the_order_names_every_room_and_nothing_else(package: str) -> None:
+def test_the_order_names_every_folder_and_nothing_else(package: str) -> None:
     assert {name.partition(".")[0] for name in modules(package)} == set(ORDER[package].split())
 
 
 @pytest.mark.parametrize("package", ORDER)
-def test_no_file_imports_itself_by_way_of_others(package: str) -> None:
+def test_imports_form_no_cycle(package: str) -> None:
     assert circles(package) == []
 
 
 @pytest.mark.parametrize("package", ORDER)
-def test_every_room_says_what_comes_in_and_what_goes_out(package: str) -> None:
+def test_every_folder_has_a_docstring(package: str) -> None:
     for file in (ROOT / package.replace(".", "/")).rglob("__init__.py"):
         assert ast.get_docstring(parsed(file)), file
 
@@ -183,7 +183,8 @@ def test_imports_stand_at_the_head_of_files() -> None:
     assert local == []
 
 
-# Lines without blanks, comments and docstrings; as `ruff format` breaks them.
+# Largest number of code lines of a file, formatted by `ruff format`. Blank lines, comments and
+# docstrings do not count.
 LONGEST = 500
 
 
@@ -207,7 +208,7 @@ def code_lines(text: str, tree: ast.Module) -> int:
 def test_files_stay_short() -> None:
     files = [file for package in ORDER for file in modules(package).values()]
     texts = {file: file.read_text(encoding="utf-8") for file in files}
-    # No file of fewer lines in all needs a look at what they are.
+    # A file with fewer lines in total need not be parsed.
     long = [file for file, text in texts.items() if text.count("\n") > LONGEST]
     assert [file for file in long if code_lines(texts[file], parsed(file)) > LONGEST] == []
     text = '"""One.\n\nTwo."""\n# no\n\nx = 1\n'
@@ -224,7 +225,7 @@ def test_few_files_import_by_name() -> None:
 
 WAVE = "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
 SERIES = "contact.Scene(contact.Fourier(1e-4, [-1e-6, 2e-7]), 1e11, contact.Periodic(), mean_pressure=1e8)"
-# What a fresh interpreter does, one after the other.
+# Statements that a new interpreter runs one after the other.
 STEPS = {
     "import": "import contact",
     "wave": f"wave = contact.solve({WAVE}); wave.max_pressure",
@@ -237,7 +238,7 @@ STEPS = {
 
 
 def loaded_after(step: str, names: Collection[str] = HEAVY) -> set[str]:
-    """Those of the modules, heavy ones if none are named, that are in sys.modules after a step."""
+    """Those modules of `names` (by default heavy ones) that are in sys.modules after a step."""
     return dict(zip(STEPS, loaded_after_each(*STEPS.values()), strict=True))[step] & set(names)
 
 

@@ -1,4 +1,4 @@
-"""The notebooks of the pages run, and print and show what is kept in them."""
+"""The notebooks of the documentation run, and give the text and the pictures that they contain."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FILE = Path(__file__).parents[1] / "docs" / "notebooks.py"
 
 
 def module() -> ModuleType:
-    """docs/notebooks.py, which ProperDocs runs."""
+    """The module docs/notebooks.py, which ProperDocs runs."""
     spec = importlib.util.spec_from_file_location("docs_notebooks", FILE)
     assert spec is not None and spec.loader is not None
     made = importlib.util.module_from_spec(spec)

@@ -1,4 +1,4 @@
-"""What the package says of itself agrees in every place, and what it tells to install can be
+"""The metadata of the package agree in all files, and the extras that messages name can be
 installed.
 """
 
@@ -68,7 +68,7 @@ def test_what_the_container_copies_is_there() -> None:
 
 
 @pytest.mark.parametrize("checkout", [True, False])
-def test_what_is_missing_is_installed_as_this_package_was(
+def test_the_message_for_a_missing_extra_fits_the_way_of_installation(
     checkout: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr(extras, "SOURCE", ROOT if checkout else tmp_path)
@@ -81,7 +81,7 @@ def test_what_is_missing_is_installed_as_this_package_was(
 
 
 @pytest.mark.parametrize("other", [[], ["contact-forms"]])
-def test_a_package_that_takes_the_name_is_told_with_the_version(
+def test_the_version_command_warns_of_another_package_with_the_import_name(
     other: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     metadata = extras.require("importlib.metadata")
@@ -105,7 +105,9 @@ def test_dir_of_the_package_shows_what_is_public_and_no_more() -> None:
 
 
 def readme_as_shown(**changes: object) -> str:
-    """The readme in the metadata of the package, by the same hook that builds it."""
+    """The readme as a package index shows it: that in the metadata of the package, made by the
+    build hook. `changes` are the address of the source and options of the hook.
+    """
     metadata = pytest.importorskip("hatchling.metadata.core")
     manager = pytest.importorskip("hatchling.plugin.manager").PluginManager()
     config = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -121,7 +123,7 @@ def without_code(text: str) -> str:
     return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
 
 
-def test_its_modules_for_users_are_there_once_it_is_imported() -> None:
+def test_public_modules_are_available_after_import_contact() -> None:
     names = "contact.testing.check_profile, contact.exact.HertzLine, contact.inverse.design, contact.paper, contact.axisymmetric"
     code = f"import contact; print({names})"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60, stdout=subprocess.DEVNULL)
@@ -146,7 +148,7 @@ def test_the_readme_of_an_index_has_no_link_that_leads_nowhere_and_names_files_t
     assert re.findall(r"^```.*?^```", shown, re.MULTILINE | re.DOTALL) == re.findall(
         r"^```.*?^```", page, re.MULTILINE | re.DOTALL
     )
-    # What is said of the archive of source is true of it.
+    # The source archive contains the files to which the readme refers.
     included = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"][
         "hatch"
     ]["build"]["targets"]["sdist"]["include"]

@@ -1,6 +1,8 @@
-"""One file outside the package brings a profile, an interaction, a substrate, a law or a side
-condition of one's own: imported, named in a scene file, or found in an installed package, it is
-solved with, and comes to its closed form.
+"""User-defined profiles, interactions, substrates, laws and side conditions, each in one file
+outside the package.
+
+They can be imported, named in a scene file, or found in an installed package. Their solutions
+agree with closed forms.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ REGISTRIES = {
     "substrate": registry.SUBSTRATES,
     "law": registry.LAWS,
 }
-# File: kind, name, class and its keys in a scene file. A side condition has no name of its own: an
-# interaction brings it.
+# For each file: (kind, name, class, keys in a scene file). A side condition has no name of its
+# own, because an interaction brings it.
 OWN: dict[str, tuple[str, str, str, dict[str, Any]]] = {
     "own_profile": ("profile", "rounded-wedge", "RoundedWedge", {"tangent": 0.05, "r": 1e-5}),
     "own_interaction": ("interaction", "bed", "Bed", {"eps": 0.5}),
@@ -50,7 +52,7 @@ def loaded(name: str) -> ModuleType:
 
 @pytest.fixture(autouse=True)
 def names() -> Iterator[None]:
-    """Names that a test registers are taken out again."""
+    """The names that a test registers are removed after the test."""
     before = {kind: set(known.all()) for kind, known in REGISTRIES.items()}
     yield
     for kind, known in REGISTRIES.items():
@@ -59,8 +61,8 @@ def names() -> Iterator[None]:
 
 
 class Package:
-    """What an installed package declares: the name of an entry point, and the module that is
-    imported for it.
+    """Stand-in for the entry point of an installed package. It has the name of a plug-in, and
+    loads the class from the module of the plug-in.
     """
 
     def __init__(self, file: str) -> None:
@@ -77,7 +79,7 @@ def table_of(name: str, key: str, values: dict[str, Any]) -> str:
 
 
 def scene_file(file: str, folder: Path) -> Path:
-    """A scene that names the plug-in."""
+    """The path of a scene file that names the plug-in."""
     kind, name, _, values = OWN[file]
     tables = {
         "profile": 'shape = "sinusoid"\namplitude = 1e-6\nperiod = 1e-4',
@@ -93,14 +95,14 @@ def scene_file(file: str, folder: Path) -> Path:
 
 
 @pytest.mark.parametrize("file", OWN)
-def test_it_is_made_in_python_by_its_class_and_by_its_name(file: str) -> None:
+def test_a_plug_in_is_made_in_python_by_its_class_and_by_its_name(file: str) -> None:
     kind, name, cls, values = OWN[file]
     module = loaded(file)
     assert getattr(contact, kind)(name, **values) == getattr(module, cls)(**values)
 
 
 @pytest.mark.parametrize("file", OWN)
-def test_a_scene_file_that_names_it_is_solved_as_the_scene_in_python(
+def test_a_scene_file_that_names_a_plug_in_is_solved_as_the_scene_in_python(
     file: str, tmp_path: Path
 ) -> None:
     kind, _, cls, values = OWN[file]
@@ -119,7 +121,7 @@ def test_a_scene_file_that_names_it_is_solved_as_the_scene_in_python(
 
 
 @pytest.mark.parametrize("file", OWN)
-def test_an_installed_package_brings_it_to_a_scene_file(
+def test_an_installed_package_brings_a_plug_in_to_a_scene_file(
     file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     kind, name, _, _ = OWN[file]

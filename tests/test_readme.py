@@ -1,5 +1,5 @@
-"""README promises two commands to a newcomer, once each, one line each, naming what exists; its
-examples print what they say.
+"""README has two shell commands of one line each, which name existing files and extras. Its
+example prints the numbers in its comments, and its measured figures are those of the pages.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def test_python_blocks_are_python(page: Path) -> None:
             compile(block, page.name, "exec")
 
 
-# A number with a point in it, such as 4.848e+09: decimals, exponent.
+# A number with a decimal point, such as 4.848e+09. The groups are the decimals and the exponent.
 NUMBER = re.compile(r"-?\d+\.(\d+)(?:e([+-]?\d+))?")
 BLOCKS = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
 
@@ -99,8 +99,9 @@ BLOCKS = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
 def missed(
     block: str, capsys: pytest.CaptureFixture[str], known: dict[str, Any] | None = None
 ) -> tuple[list[str], dict[str, Any]]:
-    """Numbers in the comments of a block that its line does not print, to the digits that are
-    given; the names it leaves. known: names of a block before it.
+    """(numbers in comments of a code block that its lines do not print, names that the block
+    defines). Numbers are compared up to their last given digit. known: names of an earlier
+    block.
     """
     names = dict(known or {})
     lacking: list[str] = []
@@ -174,7 +175,7 @@ def test_a_new_part_of_each_kind_starts_from_under_ten_lines() -> None:
     assert all(len(block.splitlines()) < 10 for _, block in STARTS)
 
 
-def test_what_they_start_from_solves() -> None:
+def test_scenes_with_the_parts_in_contributing_are_solved() -> None:
     names: dict[str, Any] = {"np": np, "contact": contact, "sie": sie, "dataclass": dataclass}
     try:
         for _, block in STARTS:
@@ -209,8 +210,8 @@ FIGURE = re.compile(r"\d+(?:\.\d+)? (?:µs|ms|s)\b|\d(?:\.\d+)?e-\d+|\d{1,3}(?:,
 
 
 def unfounded(text: str) -> list[tuple[str, str]]:
-    """(page, figure) of every figure in a row of a table that does not stand on the page which the
-    row names.
+    """(page, figure) of every figure in a table row that is missing on the page named in the
+    row.
     """
     rows = [(found[1], found[0]) for found in MEASURED.finditer(text)]
     return [

@@ -1,5 +1,5 @@
-"""Code of the pages: the Python of a page, in its order, is a script that runs by itself, and the
-commands of a page end well.
+"""Code in the documentation: the Python blocks of a page, in their order, are a script that runs
+by itself, and the commands of a page succeed.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"^( *)```python\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
-# Pages of other codes' calls, which need these codes.
+# Pages with calls of other codes, and the packages of these codes.
 NEEDS = {"coming-from.md": ("tamaas", "ContactMechanics")}
 QUICK = {"quickstart.md"}
 
 
 def script(page: Path) -> str:
-    """The blocks of a page, one after the other; blocks that show a file are left out."""
+    """The Python blocks of a page, one after the other. Blocks that show a file are left out."""
     blocks = [textwrap.dedent(code) for _, code in BLOCK.findall(page.read_text(encoding="utf-8"))]
     return "\n".join(block for block in blocks if not block.startswith("--8<--"))
 
@@ -67,7 +67,7 @@ LEFT_OUT = {"bench", "stability", "figures", "explore"}
 
 
 def commands(page: Path) -> list[list[str]]:
-    """Arguments of the commands `contact ...` of a page."""
+    """Arguments of the commands `contact ...` of a page, without those that a test cannot run."""
     lines = [
         line.strip()
         for block in SHELL.findall(page.read_text(encoding="utf-8"))
@@ -88,7 +88,8 @@ def test_the_commands_of_a_page_end_well(page: Path, tmp_path: Path) -> None:
     settings = {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "MPLBACKEND": "Agg"}
     run = 0
     for words in commands(page):
-        # A file that is neither an example nor written by a command before stands for the reader's.
+        # A command is skipped if its file is neither an example nor written by an earlier
+        # command. Such a file stands for one of the reader.
         if not (tmp_path / words[1]).exists():
             continue
         done = subprocess.run(

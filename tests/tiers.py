@@ -1,4 +1,4 @@
-"""Which parameters of a test are run always, and which only with the slow tests."""
+"""Parameters of tests: which of them always run, and which run with the slow tests only."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ def _slow(value: Any) -> Any:
 
 
 def quick(values: Iterable[Any], always: Collection[Any]) -> list[Any]:
-    """The values for `parametrize`: those in `always` are run always, the others are slow."""
+    """The values for `parametrize`: those in `always` run always, the others are slow."""
     return [value if value in always else _slow(value) for value in values]
 
 
 def diagonal(*axes: Collection[Any]) -> list[Any]:
     """All combinations of the values of several axes, for `parametrize`.
 
-    As many of them as the longest axis has values are run always, so that every value of every axis
-    is among them; the others are slow.
+    As many of them as the longest axis has values run always. Every value of every axis is in
+    one of these combinations. The others are slow.
     """
     longest = max(map(len, axes))
     always = {tuple(k % len(axis) for axis in axes) for k in range(longest)}
