@@ -205,9 +205,9 @@ def test_a_coat_on_a_base_that_hardly_yields_is_a_bonded_layer(own_names) -> Non
 
 
 def test_the_rounded_punch_carries_the_load_of_its_closed_form() -> None:
-    # M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319, doi
-    # 10.1243/0954406981521259, with sin(phi) = b/a: P = (E* b^2/4 R)((pi - 2 phi)/sin(phi)^2 - 2
-    # cot(phi))
+    # With sin(phi) = b/a the load is P = (E* b^2/4 R) ((pi - 2 phi)/sin(phi)^2 - 2 cot(phi)) (M.
+    # Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319, doi
+    # 10.1243/0954406981521259).
     for solution in module("rounded_punch").main():
         a = solution.zones[0, 1]
         phi = np.arcsin(1e-3 / a)

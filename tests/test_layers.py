@@ -250,11 +250,12 @@ def test_a_wave_is_solved_without_anything_heavy() -> None:
     assert loaded_after("pressure") == set()
 
 
-def test_what_is_heavy_is_noticed_where_it_is_used() -> None:
+def test_loading_a_heavy_module_is_noticed() -> None:
     assert "scipy.optimize" in loaded_after("heavy")
 
 
 def test_contact_asks_no_type_of_the_engine_s_states_and_densities() -> None:
+    """No file of `contact` has a test of types such as isinstance(x, sie.State)."""
     for name, file in modules("contact").items():
         if not name.startswith("studies."):
             text = file.read_text(encoding="utf-8")
@@ -262,6 +263,9 @@ def test_contact_asks_no_type_of_the_engine_s_states_and_densities() -> None:
 
 
 def test_every_name_of_the_engine_is_found_where_it_is_said_to_be() -> None:
+    """`sie._HOMES` has the module from which each public name is loaded. It agrees with
+    `__all__`, with the imports for type checkers, and with the modules themselves.
+    """
     homes = {name: module for module, names in sie._HOMES.items() for name in names.split()}
     assert set(homes) == set(sie.__all__) <= set(dir(sie))
     tree = parsed(ROOT / "sie" / "__init__.py")
@@ -291,6 +295,10 @@ def test_a_series_is_solved_without_tables_pictures_or_what_belongs_to_a_tension
 
 
 def test_every_name_of_contact_that_is_loaded_late_is_found_where_it_is_said_to_be() -> None:
+    """`contact._HOMES` has the module of each public name that is loaded on demand. It agrees
+    with the imports for type checkers and with the modules, and importing `contact` loads none
+    of them.
+    """
     homes = {name: module for module, names in contact._HOMES.items() for name in names.split()}
     assert set(homes) < set(contact.__all__)
     tree = parsed(ROOT / "contact" / "__init__.py")

@@ -146,7 +146,7 @@ def test_the_reason_is_the_one_that_holds(case):
         assert "right side" not in stopped.value.reason
 
 
-def test_a_smooth_right_side_is_not_accused_beside_a_noisy_kernel():
+def test_a_noisy_kernel_is_not_blamed_on_the_right_side():
     noisy = noise(1e-10)
     kernel = sie.cauchy() + sie.Smooth(
         lambda x, xi: (1 + noisy(x, xi)) / ((x - xi) ** 2 + 0.01), length=0.1
@@ -164,7 +164,7 @@ def test_a_large_kernel_is_no_singular_system():
     assert found.error < 1e-5
 
 
-def test_a_density_that_nothing_sees_is_named():
+def test_a_singular_system_is_refused_with_its_cause():
     """A density in the null space of the equation and its conditions makes the system singular.
     The message says whether the side conditions alone are the cause.
     """

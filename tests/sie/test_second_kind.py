@@ -1,4 +1,6 @@
-"""Equations of the second kind, kappa phi + T phi = g, against designed and known solutions."""
+"""Equations of the second kind, kappa phi + T phi = g, compared with designed and known
+solutions.
+"""
 
 import pickle
 
@@ -230,7 +232,7 @@ def test_responses_to_conditions():
 
 
 @pytest.mark.parametrize("name", ["jumps", "column", "free, periodic"])
-def test_a_solution_says_its_residual_and_reports(name):
+def test_a_solution_has_a_residual_and_a_report_but_no_gradient_or_capacity(name):
     found = sie.solve(*posed(name, 0.4), tol=1e-9)
     x = found.zones.middle[:, None] + found.zones.half[:, None] * np.array([-0.7, 0.2])
     assert found.residual(x) == pytest.approx(0.0, abs=1e-9)

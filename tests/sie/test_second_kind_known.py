@@ -242,7 +242,7 @@ def density_by_quadrature(g, powers, ends, kappa, x, split=()):
     means a singular left end.
 
     g is a function of mpmath numbers, smooth between the points `split`. Only g - g(x) is
-    integrated numerically. The integral for the constant g(x) is `_constant`.
+    integrated numerically. The principal value for the constant g(x) is g(x) times `_constant`.
     """
     p, q = powers
     with mp.workdps(20):

@@ -123,7 +123,7 @@ def test_levels_of_many_zones_with_kinks_agree_with_the_matrix(
     assert rates[0] == pytest.approx(rates[1], rel=1e-9)
 
 
-def test_small_kappa_is_the_first_kind():
+def test_a_small_kappa_gives_the_solution_of_the_first_kind():
     zones, _ = row(60)
     found = [
         sie.solve_zones(sie.Equation(sie.cauchy(), np.cos, sie.ZoneTotals(0.0), kappa=one), zones)

@@ -383,6 +383,9 @@ def test_many_zones_by_fast_sums_have_the_same_slits(monkeypatch):
 
 
 def test_totals_of_pieces_add_up_where_the_ends_are_no_solution_and_the_density_is_singular_there():
+    """The totals of the zones add up to the given total 1, although the density is singular at
+    all ends.
+    """
     still = sie.Forcing(np.zeros_like, np.zeros_like)
     zones = sie.Zones.of([[-1.0, -0.001], [0.001, 0.6], [0.601, 1.0]])
     density = solve_zones(

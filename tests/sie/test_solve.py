@@ -67,7 +67,7 @@ def test_the_closed_forms_are_found(form, left, conditions):
     density = solve(forcing_of(form), conditions(form), form.zones, left, kernel=kernel).density
     for i in range(len(form.zones)):
         wanted = form.at(T, i)
-        # The tolerance is round-off times 20, the number of modes that the solution needs.
+        # The tolerance allows for the round-off of the 20 modes that the solution needs.
         assert density.at_t(i, T) == pytest.approx(
             wanted, rel=1e-12, abs=2e-14 * np.abs(wanted).max()
         )
@@ -80,7 +80,7 @@ def test_a_right_side_off_by_a_millionth_does_not_pass():
     assert np.abs(wrong.at_t(0, T) - form.at(T)).max() > 1e-7
 
 
-# The four kinds of a zone and their count
+# The four pairs of ends of a zone, and the number of conditions
 # ----------------------------------------------------------------------------
 def field(t, left, right):
     """A density on (-1, 1) that is singular or bounded at each end as given, with the factor
@@ -248,7 +248,7 @@ def test_totals_of_each_zone_are_met_one_by_one():
     assert density.totals == pytest.approx([0.3, -0.1], abs=1e-15)
 
 
-def test_equal_potentials_are_equal_and_a_level_is_the_level():
+def test_potentials_of_zones_are_equal_and_at_the_given_level():
     ends, total = [[-2, -1], [0.5, 0.7], [1, 3]], 0.4
     x = np.concatenate([np.linspace(a, b, 11) for a, b in ends])
     density = solve(LINEAR, [sie.Total(total), sie.EqualPotential()], ends).density
@@ -295,7 +295,7 @@ class EqualIntensities(Condition):
         return left[:1] - right[-1:], left_constant[:1] - right_constant[-1:], np.zeros(1)
 
 
-def test_a_condition_of_ones_own_is_one_class():
+def test_a_condition_of_the_user_is_one_class():
     column = sie.Forcing(np.ones_like)
     density = solve(
         LINEAR, [sie.Total(1.0), EqualIntensities()], [[-0.3, 0.9]], columns=(column,)
@@ -323,7 +323,7 @@ SYMMETRIC = [
 
 @pytest.mark.parametrize("ends", SYMMETRIC, ids=len)
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["cauchy", "hilbert"])
-def test_half_a_symmetric_problem_is_the_whole_one(ends, kernel):
+def test_a_symmetric_problem_solved_by_half_agrees_with_the_whole(ends, kernel):
     conditions = (sie.Total(0.3), sie.EqualPotential())
     equation = sie.Equation(kernel, KINKED, conditions)
     half = sie.solve_fixed(equation, sie.Zones.of(ends, sie.SINGULAR, sie.SINGULAR, symmetric=True))
@@ -371,7 +371,7 @@ def test_an_even_weight_counts_both_halves_and_an_odd_one_neither(ends):
         )
 
 
-def test_zones_called_symmetric_must_be():
+def test_symmetric_zones_must_be_mirror_images():
     with pytest.raises(ValueError, match="mirror images"):
         sie.Zones.of([[0.0, 1.0]], symmetric=True)
     with pytest.raises(ValueError, match="same kind of end"):
@@ -440,7 +440,7 @@ def test_a_regular_kernel_with_its_potential_levels_the_zones():
     assert density.transform(x[1:-1]) == pytest.approx(x[1:-1], abs=1e-12)
 
 
-def test_a_potential_that_is_missing_is_asked_for():
+def test_a_missing_potential_or_primitive_is_named():
     kernel = sie.cauchy() + sie.Smooth(lambda x, xi: np.cos(x - xi))
     with pytest.raises(ValueError, match="potential"):
         solve(LINEAR, [sie.Total(1.0), sie.EqualPotential()], [[-2, -1], [1, 3]], kernel=kernel)

@@ -103,8 +103,8 @@ def test_the_equation_holds_by_quadrature(kappa, moves):
     found = sie.solve(equation, sie.Zones.of([[-0.6, 0.7]], left, FREE))
     (a, b), density = found.zones.table[0], found.density
     assert np.allclose(density.at_t(0, [-1, 1]), [value, 0.0], atol=1e-12)
-    # The substitution x = a + (b - a) sin(angle)^2 makes the square roots at both ends smooth,
-    # so that Gauss's rule converges fast.
+    # The substitution x = a + (b - a) sin(angle)^2 makes square roots at both ends smooth, and
+    # other powers smoother. So Gauss's rule converges faster.
     t, weights = np.polynomial.legendre.leggauss(240)
     angle = 0.25 * np.pi * (1 + t)
     s, rule = a + (b - a) * np.sin(angle) ** 2, 0.25 * np.pi * weights
@@ -123,7 +123,7 @@ def test_the_equation_holds_by_quadrature(kappa, moves):
     assert abs(density.moment() - rule @ (s * phi) - of_plateau) < 1e-6
 
 
-def test_a_small_kappa_changes_the_answer_as_little():
+def test_a_small_kappa_changes_the_solution_little():
     def found(kappa):
         left = sie.free_with_value(0.9, until=-1.5)
         equation = sie.Equation(

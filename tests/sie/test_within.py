@@ -59,7 +59,7 @@ def test_ends_on_a_logarithm_are_found_from_any_guess_and_no_call_leaves_its_dom
         (lambda x: np.log(2 - x) * -1, (-np.inf, 2.0), 20.0, "the right end of zone 0"),
     ],
 )
-def test_a_root_at_the_border_or_beyond_it_is_said_to_be_there(value, within, total, names):
+def test_a_root_at_the_border_or_beyond_it_is_reported(value, within, total, names):
     calls = []
     with pytest.raises(
         sie.NotConverged,
