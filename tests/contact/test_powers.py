@@ -194,8 +194,7 @@ def test_jkr_adhesion_adds_the_load_of_a_flat_punch(n):
         Scene(power(n), E_STAR, Isolated(), law=law, half_width=exact.half_width)
     )
     expected = exact.load + pi * law.intensity(E_STAR) * sqrt(2 * exact.half_width)
-    # For steep powers, the term of the punch is larger than P_0.
-    assert solution.load == pytest.approx(expected, rel=1e-9, abs=1e-9 * exact.load)
+    assert solution.load == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("n", (1.3, 3.3))

@@ -8,7 +8,7 @@ from numpy.polynomial import chebyshev as np_chebyshev
 from sie.basis import chebyshev
 
 # Sizes below and above the size from which fast transforms replace a stored matrix.
-SIZES = [1, 2, 5, 16, 95, 96, 97, 300]
+SIZES = [1, 2, 5, 16, 127, 128, 129, 300]
 
 
 def u(k, t):
