@@ -236,7 +236,8 @@ class CorneredZone:
         a, b = self.zone
         side, bent = self._from_end(self.steps[:, 0])[1], self._from_end(self.bends[:, 0])[0]
         s = np.clip(self.steps[:, 0], a, b)
-        # sin(A - u) sin(A + u) = sin^2 A - sin^2 u. Like phi, psi counts from the nearer end.
+        # sin(A - u) sin(A + u) = sin^2 A - sin^2 u. The angle psi is measured from the zone's
+        # nearer end.
         psi = np.arctan2(
             np.sqrt(self._sine(s - a) * self._sine(b - s)), self._sine(np.abs(s - self.middle))
         )
@@ -390,7 +391,7 @@ def polished(map_, x, y):
 
 @dataclass(frozen=True, eq=False)
 class FoldedProfile(contact.Profile):
-    """The profile h(Q(x)). Every branch of Q has the jumps of h."""
+    """The profile h(Q(x)). It has the jumps of h on every monotone branch of Q."""
 
     map_: Wave | Power
     base: contact.Profile

@@ -150,7 +150,7 @@ class LocalizedShape:
         return np.where(r < self.half_width, self.isolated_pressure(r) + self._correction(r), 0.0)
 
     def pressure_14(self, x):
-        """(14): the same pressure, with all of h' inserted into (7)."""
+        """The pressure by (14), which agrees with (17): (7) with h' in place of f'."""
         r = np.abs(np.asarray(x, dtype=float))
         return np.where(r < self.half_width, self._inverse(r, self.contact_slope), 0.0)
 
@@ -166,8 +166,8 @@ class LocalizedShape:
             singular = np.where(
                 own == 0.0, 0.0, own * 2.0 * np.arcsinh(q / np.where(inside > 0.0, inside, 0.0))
             )
-        # xi = a sin(psi). The quotient is smooth except at x = 0. Each side of x has its own
-        # quadrature.
+        # With xi = a sin(psi), `quotient` is the integrand. It is smooth except for x = 0. Each
+        # side of x has its own quadrature.
         top = np.arcsin(inside / a)
         regular = np.zeros_like(inside)
         for low, width in ((np.zeros_like(top), top), (top, 0.5 * pi - top)):
@@ -184,7 +184,7 @@ class LocalizedShape:
 
 @dataclass(frozen=True)
 class PrintedLocalizedShape(LocalizedShape):
-    """(17) with its brackets as printed.
+    """(17) with its brackets as printed in the paper, which are wrong.
 
     There (xi - x) stands behind the fraction of the integrand, as a factor. So the first term is
 
@@ -264,7 +264,7 @@ def contact_slope(pair, x):
 
 @dataclass(frozen=True)
 class PrintedArtanhPair(LocalizedPair):
-    """(36) as printed, on the ends of `LocalizedPair`.
+    """(36) as printed, for zones with the ends of `LocalizedPair`.
 
     It is one integral over [a, b] with 1/(xi - x) and E*/2pi. The corrected form also has the term
     of the other zone, which is missing here: -(E* sqrt(Z)/2pi) int_a^b h' dxi/((xi + x) sqrt(Z)).

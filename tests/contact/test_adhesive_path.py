@@ -57,10 +57,10 @@ def value(state, held, stiffness):
 
 
 def half_widths(body, held):
-    """Three half widths of the closed form.
+    """Three half widths of the contact, computed from the closed form.
 
-    They belong to the minimum of the control, to the state after the jump from first touch, and
-    to the largest value of the control in the loop.
+    The first one is that at the minimum of the control, the second one that after the jump from
+    first touch, and the third one that at the largest value of the control in the loop.
     """
     reference, stiffness = REFERENCES[body], STIFF[body]
 

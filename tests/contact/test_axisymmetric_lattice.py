@@ -211,10 +211,11 @@ def half_space(lattice, load, n=64):
     return float(np.mean((u + f)[p > 0]) - np.mean(u)), float(p[0, 0])
 
 
-# `share` is a/l. `first` bounds the relative errors of the largest pressure (low, high) and of
-# the approach (low, high) for rings = 0. `last` bounds both errors for rings = inf. The grid is
-# accurate to about 1e-4. With all rings, the error is the part of the pressure that varies with
-# the angle as cos 6 phi or cos 4 phi.
+# `share` is the spot's radius divided by the spacing of the lattice. Without separate rings of
+# neighbours (rings = 0), `first` bounds the relative errors: that of the largest pressure from
+# below and above, then that of the approach. With all rings (rings = inf), `last` bounds both
+# errors. The grid is accurate to about 1e-4. With all rings, the error is the part of the pressure
+# that varies with the angle as cos 6 phi or cos 4 phi.
 @pytest.mark.parametrize(
     ("lattice", "share", "first", "last"),
     [

@@ -404,8 +404,9 @@ def test_undeclared_corners_do_not_count_as_errors_of_the_slope():
 
 @pytest.mark.parametrize("constant", [1.0, 1e3, 1e6])
 def test_a_false_factor_that_noise_hides_on_each_panel_is_seen_on_all_together(constant):
-    # `hidden` is the round-off of the heights divided by the rise of a panel. All panels
-    # together show a smaller false factor than one panel.
+    # The slope is wrong by the factor 1 + `false`. The check compares rises of the height with
+    # integrals of the slope over short panels. `hidden` is the round-off of the heights divided by
+    # the rise over one panel. The sum over all panels shows smaller errors than one panel.
     hidden = 4 * 2.0**-53 * constant / 0.2
     for false in (4 * hidden, -4 * hidden, 40 * hidden):
         shape = own(

@@ -737,8 +737,8 @@ def test_a_zone_that_snaps_wider_among_a_hundred_is_guided_to_its_width_by_a_law
 
 @pytest.mark.slow
 def test_ends_that_other_ends_drive_outward_on_the_receding_branch_come_to_equilibrium():
-    # The approach is given: where tension is lost, the surface elsewhere rises, and gaps close
-    # again there.
+    # The approach is given. If a zone loses its tension, the surface rises at other places, and
+    # gaps close at these places.
     heights = [
         193,
         65,

@@ -54,8 +54,8 @@ def test_fast_sums_agree_with_direct_sums(kind, period, longest):
     x = places_of(ends, rng)
     found = EndSum(Cells(ends, period, longest), np.tile((1.0, -1.0), len(ends) // 2), log)(x)
     wanted = np.array([exactly(place, ends, period) for place in x])
-    # Round-off of a point x changes the logarithm of an end by eps * PERIOD over the distance
-    # from this end.
+    # The term of an end is the logarithm of the distance from x to this end. Round-off of x changes
+    # the term by eps * PERIOD, divided by this distance.
     near = np.abs(sie.nearest_image(x[:, None] - ends, 0.0, period))
     assert np.all(
         np.abs(found - wanted) <= 1e-13 + 8 * np.finfo(float).eps * PERIOD / near.min(axis=1)

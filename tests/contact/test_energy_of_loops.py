@@ -75,7 +75,8 @@ def test_the_work_of_the_load_over_a_loop_by_quadrature_is_what_its_jumps_lose(l
     )
     for k, (at, to) in enumerate(found):
         total += work(held, at, to, between.solutions[1 + POINTS * k : 1 + POINTS * (k + 1)])
-    # The error of the rule is 1e-11 with 20 points and 1e-6 with 10 points.
+    # The error of the Gauss rule for the work between two events is 1e-11 with 20 points, and 1e-6
+    # with 10 points.
     assert total == pytest.approx(loop.dissipated, rel=1e-9) and loop.work == pytest.approx(
         loop.dissipated, rel=1e-12
     )

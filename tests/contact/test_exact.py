@@ -63,8 +63,9 @@ LOCALIZED = list(localized())
 
 @pytest.mark.parametrize("solution", SMOOTH, ids=name)
 def test_the_pressure_solves_the_singular_integral_equation(solution):
-    # Two zones that are about to merge have a branch point 1e-5 widths from an end, and need
-    # 60/sqrt(gap/width) nodes.
+    # If two zones are about to merge, the pressure of one zone has a branch point at a distance of
+    # 1e-5 widths from an end. The number of nodes for the quadrature grows with the inverse
+    # square root of this distance.
     nodes = (
         12000 if getattr(solution, "inner_end", 1.0) and name(solution).endswith("0.707") else 400
     )

@@ -583,8 +583,9 @@ class TestFirstOrderOfSeveralZones:
         by_difference = 2 * step / (at[2].approach - at[0].approach)
         assert abs(at[1].stiffness / by_difference - 1) < 1e-4
 
-    # In the honed trace, 28 evenly spaced knots in a gap interfere with series of 128, 256 and 512
-    # modes. The truncation error of 2.6e-7 was once taken for round-off.
+    # One gap of this honed surface contains 28 evenly spaced knots. Series of 128, 256 and 512
+    # modes have nearly the same error beside these knots (aliasing). The truncation error of
+    # 2.6e-7 was once taken for round-off.
     @pytest.mark.slow
     @pytest.mark.parametrize(("seed", "kind", "spacing", "part"), [([7, 2], "honed", "even", 0.1)])
     def test_no_series_is_truncated_too_early(self, seed, kind, spacing, part):

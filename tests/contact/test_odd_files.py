@@ -196,7 +196,7 @@ def test_without_units_metres_are_assumed_with_a_warning_if_they_are_implausible
     warned(tmp_path, table(half, 1e-4 * np.sin(300 * half)), "500 mm long", "pitch of 1 mm")
 
 
-# Rows that are no points, and columns
+# Rows without a point, and numbers of columns
 # ---------------------------------------------------------------
 @pytest.mark.parametrize("head", ["40\n", "z [um]\n40\n", "40\n0.25\n"])
 def test_a_number_of_points_is_no_height(tmp_path: Path, head: str) -> None:

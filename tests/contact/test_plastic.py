@@ -319,7 +319,8 @@ def test_rims_far_narrower_than_round_off(modulus):
     x = np.array([-0.999, 0.0, 0.5, 1 + 1e-8])
     np.testing.assert_array_equal(found.pressure(x), [hardness, hardness, hardness, 0.0])
     assert found.certificate.holds and found.error < 1e-8
-    # The rough solution gives the places of the rims; their widths are computed anew.
+    # From the rough solution, only the places of the two elastic rims are used. Their widths are
+    # computed again.
     scene, rough = found.scene, solved(found.scene.profile, hardness, 2.0, ALONE, 1e-4, load=load)
     again = contact.solve(scene, tol=1e-8, near=rough)
     np.testing.assert_allclose(again.plateaus, [[-plateau, plateau]], rtol=1e-8)

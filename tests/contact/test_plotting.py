@@ -57,8 +57,8 @@ class TestPanels:
         drawn = lines(plotting.plot(solution).axes[0])
         x = drawn["profile"][:, 0] * 1e-6
         apart = (drawn["profile"] - drawn["deformed surface"])[:, 1] * 1e-6
-        # Near an end the stand-in's gap is a difference of two terms of the size
-        # sqrt(round-off) times the amplitude.
+        # `westergaard` computes the gap in closed form. Close to an end, this gap is a difference
+        # of two terms that agree in all but the last digits.
         assert np.allclose(apart, solution.gap(x), rtol=0, atol=2e-14)
         touching = np.isfinite(drawn["contact"][:, 1])
         # Samples within round-off of an end may count as contact or as gap.

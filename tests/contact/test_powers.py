@@ -70,8 +70,8 @@ def test_load_and_pressure_of_an_isolated_power_are_integrals_over_punches(n):
         for t in (1e-6, 0.2, 0.49, 0.51, 0.9, 0.999):
             cuts = mpmath.linspace(0, mpmath.acosh(1 / mpmath.mpf(t)), 9)
             punches = mpmath.quad(lambda y, t=t: (mpmath.mpf(t) * mpmath.cosh(y)) ** (n_ - 1), cuts)
-            # The two parts of the expansion about the tip cancel down to a fraction n - 1 of
-            # each part.
+            # `exact` sums two series for the pressure near the tip. If n is close to 1, their sum
+            # is only about n - 1 times each of them, so that digits cancel.
             expected = float(n_ * load / (mpmath.pi * a) * punches)
             assert exact.pressure_at(t) == pytest.approx(expected, rel=1e-13 + 1e-15 / (n - 1))
 

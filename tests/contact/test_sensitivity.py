@@ -132,7 +132,7 @@ def changed(scene: Scene, to: str, factor: float) -> Scene:
 
 
 def by_differences(scene: Scene, to: str, of: Callable[[Any], Any], step: float = 2e-3) -> Any:
-    """The derivative by the logarithm of one of the data, from differences of order 6."""
+    """The derivative with respect to the logarithm of one datum, by differences of order 6."""
     total = 0.0
     for k, weight in enumerate((3 / 4, -3 / 20, 1 / 60), 1):
         for sign in (1.0, -1.0):
@@ -564,9 +564,8 @@ class NarrowBumps(contact.Profile):
 
 @pytest.mark.parametrize("width", [2e-6, 2e-7])
 def test_bumps_that_are_narrow_and_far_apart_have_derivatives(width: float) -> None:
-    """The adjoint equation against the linear equation for each height.
-
-    The latter needs no fields far from a zone.
+    """Derivatives with respect to three heights by one adjoint solve agree with those by one linear
+    solve for each height. The linear solves need no fields far from a zone.
     """
     shape = NarrowBumps(0.05 * width * np.array([1.0, 1.02, 1.01]), width)
     scene = isolated(shape, load=3e5 * width)

@@ -436,8 +436,8 @@ def integral(solution, weight, nodes=400):
     ids=lambda p: getattr(p, "__name__", ""),
 )
 def test_a_gradient_gives_the_derivative_of_its_functional(problem, change, x):
-    """A gradient by one adjoint solve, times the changes of the data, is the fourth-order
-    difference of the functional in four solutions.
+    """The gradient comes from one adjoint solve. Its product with the changes of the data agrees
+    with a difference quotient of fourth order, computed from four solutions.
     """
     equation, zones, more = problem(0.0)
     found = sie.solve(equation, zones, tol=1e-12, **more)

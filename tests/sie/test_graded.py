@@ -133,7 +133,8 @@ def test_the_capacitance_of_a_strip_line_is_that_of_elliptic_integrals(gap, narr
 
 @pytest.mark.parametrize("gap", GAPS)
 def test_plates_at_one_potential_share_their_charge_as_the_closed_form_says(gap):
-    """phi = |x| / (pi sqrt((x^2 - k^2)(1 - x^2))): next to the gap there is hardly any charge.
+    """The density is phi = |x| / (pi sqrt((x^2 - k^2)(1 - x^2))). Only a small part of the charge
+    is near the gap, although phi is singular there.
 
     Round-off in the difference of the plates' potentials changes the density by about round-off /
     sqrt(gap).

@@ -196,7 +196,10 @@ def test_a_user_s_condition_holds_for_any_width_of_a_gap(condition, gap):
 # ------------------------------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class EveryZone(Condition):
-    """Condition whose rows are `told`(system): as many as there are zones, less `fewer`."""
+    """Condition whose rows are computed by the function `told`, called with the system.
+
+    The number of rows is the number of solved zones minus `fewer`.
+    """
 
     told: Callable[[sie.Rows], tuple[np.ndarray, np.ndarray]]
     value: float = 0.1

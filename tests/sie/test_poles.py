@@ -41,7 +41,7 @@ def test_the_poles_equal_the_power_up_to_a_smooth_function(p, left, right):
     # and its Chebyshev coefficients on [-1/2, 1/2] fall by a factor of 5.3 each.
     nodes = np.cos(pi * (np.arange(60) + 0.5) / 60)
     coefficients = np.polynomial.chebyshev.chebfit(nodes, rest(0.5 * nodes), 59)
-    # The remaining coefficients are round-off of the power, which is large next to the point if
+    # The remaining coefficients are round-off of the power |y|^p, which is large near y = 0 if
     # p < 0.
     assert np.abs(coefficients[28:]).max() < 3e-14 * np.abs(rest(0.5 * nodes)).max()
 

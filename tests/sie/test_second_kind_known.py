@@ -111,7 +111,7 @@ def test_numbers_off_the_interval(power, z, transform, potential):
         assert np.pi * float(density.potential(z)) == pytest.approx(potential, rel=1e-12)
 
 
-# Ten coefficients of a series of Jacobi polynomials, from the package's tests.
+# Ten coefficients of a series of Jacobi polynomials, from SingularIntegralEquations.jl.
 TEN = [
     0.9731840665678853,
     0.11644664868790366,
@@ -238,8 +238,8 @@ def test_an_equation_with_a_varying_factor(a):
 
 # Closed forms.
 def density_by_quadrature(g, powers, ends, kappa, x, split=()):
-    """phi at x, by the formula at the head of this module. A negative first one of `powers`
-    means a singular left end.
+    """phi at x, by the formula at the head of this module. If the first number of `powers` is
+    negative, the left end is singular.
 
     g is a function of mpmath numbers, smooth between the points `split`. Only g - g(x) is
     integrated numerically. The principal value for the constant g(x) is g(x) times `_constant`.

@@ -356,8 +356,9 @@ def many(first, second):
 
 
 def test_the_first_guess_for_more_modes_includes_the_high_coefficients_due_to_slits(monkeypatch):
-    """Slits add coefficients to their wide zones far beyond the modes that the distance of other
-    zones requires. The first guess from a solution with few modes contains these coefficients.
+    """A wide zone with slits has more coefficients than it would need without slits. If a solution
+    with few modes is the first guess for more modes, the guess contains the additional
+    coefficients.
     """
     monkeypatch.setattr("sie.states.solve.OPTIONS", SolveOptions(min_fast_unknowns=10))
     problem, zones = many(3e-4, 3e-4)

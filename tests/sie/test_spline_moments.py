@@ -117,8 +117,8 @@ def test_the_density_is_the_one_that_truncated_powers_give(kernel, monkeypatch):
 def test_the_density_beside_a_plateau_is_the_one_that_truncated_powers_give(
     kernel, mirrored, monkeypatch
 ):
-    """The logarithms of a plateau are no part of the right side. Their coefficients are added to
-    those that integrals between the jumps give.
+    """The field of a plateau has logarithms at the plateau's ends. Their series in closed form is
+    added to the series of the right side, which is computed by integrals between the jumps.
     """
     spline, forcing = rough(100)
     zones, value = np.array([[-0.83, -0.1], [0.01, 0.7]]), sie.free_with_value(0.3)

@@ -29,8 +29,10 @@ def polynomial(kappa, n, t):
 
 
 def quadrature(kappa, n, of):
-    """The integral of S_n times the function `of`. On each half of the interval, a substitution
-    removes the singularity at the end.
+    """The integral of the density S_n = sin(pi alpha) (1 - t)^-alpha (1 + t)^(alpha - 1) p_n(t)
+    times the function `of`.
+
+    On each half of the interval, a substitution removes the singularity at the end.
     """
     a = alpha_of(kappa)
 
