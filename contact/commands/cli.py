@@ -63,8 +63,7 @@ def explore_command(scene: Path | None, port: int | None, show: bool, tol: float
     """Show a SCENE with sliders in a browser: its surfaces, pressure, load curve and stated error
     follow the sliders. Without a SCENE, a sine wave is shown.
 
-    The page is served on this machine alone (127.0.0.1), with all that it loads; it ends with
-    Ctrl-C.
+    The page and all that it loads are served to this machine only (127.0.0.1). Ctrl-C ends it.
     """
 
     given = scene_of(scene) if scene is not None and str(scene) == "-" else scene
@@ -293,7 +292,7 @@ def figures_command(numbers: tuple[str, ...], out: Path) -> None:
     """Draw figures N of the paper (2A 2B 7 8 9 10 11 12 13; all if none is named), and write the
     plotted numbers as CSV.
 
-    Each has the exact solution beside the paper's curves; see docs/paper.
+    Each figure shows the exact solution and the paper's curves; see docs/paper.
     """
     figures = require("contact.paper.figures")
     wanted = figures.chosen(numbers)
@@ -338,7 +337,7 @@ def stability_command(quick: bool, out: Path | None) -> None:
     """Solve stiff and extreme scenes, and compare each error with the error that the scene's
     conditioning allows.
 
-    Exit status 3 if any fails that is not known to.
+    Exit status 3 if a scene fails that is not known to fail.
     """
     suites = require("contact.studies.bench.run")
     if out is not None:

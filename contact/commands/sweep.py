@@ -1,6 +1,6 @@
 """`contact sweep SCENE --vary KEY=A:B:N --out OUT.nc`: a scene on a grid of values.
 
-It runs on this machine or on a cluster, and continues an existing file.
+The command runs on this machine or on a cluster, and continues a file OUT.nc that exists.
 """
 
 import time
@@ -102,8 +102,8 @@ def sweep_command(
     """Solve a SCENE over a grid of values of its keys, such as --vary
     control.mean_pressure=1e6:1e8:20:log.
 
-    What is in OUT.nc is not solved again, so that a sweep that was broken off is gone on with by
-    the same command.
+    Points that are in OUT.nc are not solved again. So the same command continues an interrupted
+    sweep.
     """
     problem = scene_of(scene)
     over = _over(varied)

@@ -1,8 +1,8 @@
 """`contact trace FILE`: a measured trace with its roughness and preparation, and a first scene
 file.
 
-Its picture shows the points as read, after each step and as they are solved, the distribution of
-heights, and the power spectrum.
+The picture of --plot shows the points as read and after each step of the preparation, the
+distribution of heights, and the power spectrum.
 """
 
 import json
@@ -279,7 +279,7 @@ def plot_trace(
     """A matplotlib figure with one row for each step of the preparation. The last row shows the
     distribution of heights and the power spectrum after the last step.
 
-    title_length: number of letters in a line of the name of a step.
+    title_length: the name of a step is broken into lines of at most this many letters.
     """
     stages = list(trace.stages)
     figure = new_figure(9.0, 1.7 * len(stages) + 3.0)

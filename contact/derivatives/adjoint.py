@@ -1,24 +1,28 @@
 r"""The derivative of one number by all heights at once, from one solve of an adjoint equation.
 
-Let V be the potential and T = V' the transform of the kernel. The derivative p' of the pressure
-along a change f' of the profile has V p' = f' + const on the zones, and a given load. V is
-symmetric. So a number J(p') is the integral of W f' over the zones, where V W is the functional J
-itself, up to a constant:
+Let f' be a change of the profile f, and p' the derivative of the pressure p along this change. Let
+V phi(x) be the potential of a density phi on the zones, and T phi its transform, d(V phi)/dx. In
+scaled variables V p' = f' + const on the zones, and the load of p' is given. The operator V is
+symmetric. So a number J(p') that is linear in p' is the integral of W f' over the zones. The
+density W is the adjoint weight of J. On the zones V W is, up to a constant:
 
     load of a zone      V W = 1 on this zone, 0 on the others
-    approach            the pressure of a unit load under flat zones
-    F(z) in the body    V W = K(z - x) / pi, for the transform F of p'
+    approach            V W = 0, and W has the integral 1
+    F(z) in the body    V W = K(z - x) / pi, for the transform F of p' with the kernel K
     p'(x*)              V W = a unit source at x*
-    intensity at an end V W = 0, with W ~ d^(-3/2) at this end
+    intensity at an end V W = 0, with W ~ d^(-3/2) at the distance d from this end
 
-The last two have a part W = -w' in closed form on their own zone, with t from -1 to 1 on it:
+For the last two numbers, W has a singular part -w' = -dw/dt in closed form. It lies on the zone of
+the place x* or of the end. Let t be the scaled position in this zone, from -1 to 1, and z the same
+coordinate outside the zone; t* belongs to x*:
 
     p'(x*):     w ~ sqrt(1 - t^2) / (t - t*),        T w ~ 1 - sqrt(z^2 - 1) / (z - t*)
     right end:  w ~ sqrt((1 + t) / (1 - t)),         T w ~ sqrt((z + 1) / (z - 1)) - 1
     left end:   w ~ sqrt((1 - t) / (1 + t)),         T w ~ 1 - sqrt((z - 1) / (z + 1))
 
-and T w = 1, -1, 1 on the zone. The rest of W solves the equation of the zones with T w as the
-change of the profile. The integral of w (f')' is a principal value.
+On the zone itself T w is 1, -1, 1. The rest of W solves the equation of the zones, with T w in
+place of the change of the profile. The part -w' contributes the integral of w times the slope of
+the change, a principal value.
 """
 
 from __future__ import annotations
@@ -52,14 +56,15 @@ NODES = 16
 @dataclass(frozen=True)
 class Functional:
     """A linear functional of the derivative of a contact along a change of its profile.
-    It is a sum of parts, and its value is the derivative of one number. Each field is the factor of
-    one part.
+    It is a sum of terms, and its value is the derivative of one number. Each field is the factor of
+    one derivative.
 
-    ends: of outward motions [m] (n, 2). loads: of loads of zones (n,). approach: of the approach,
-    counted from f = 0. mean: of the mean of f. peak: place [m] and factor of the pressure there.
-    tip: factor of f at its lowest place. slope: place [m] and factor of f' there. inside: a point
-    of the body [m] and factors A, B of a number Re(A F + B F'), with the transform F of the
-    pressure. Zones are in the order of the fields.
+    ends: of the outward motions of the zones' ends [m] (n, 2). loads: of the loads of the zones
+    (n,). approach: of the approach, counted from height 0 of the profile. mean: of the mean height
+    of the profile. peak: a place [m], and the factor of the pressure there. tip: of the height at
+    the profile's lowest place. slope: a place [m], and the factor of the profile's slope there.
+    inside: a point of the body [m], and the factors A, B of Re(A F + B F'), with the transform F of
+    the pressure. Zones are in the order of the fields.
     """
 
     ends: Array
@@ -72,7 +77,7 @@ class Functional:
     inside: tuple[complex, complex, complex] | None = None
 
     def at_places(self, tip: float) -> Part:
-        """The parts of the functional at single places: f at its lowest place `tip`, and f'."""
+        """The terms of the functional with the height at `tip`, and with the slope at a place."""
         place, factor = self.slope or (tip, 0.0)
         return np.array([tip, place]), np.array([self.tip, 0.0]), np.array([0.0, factor])
 
@@ -94,8 +99,8 @@ Part = tuple[Array, Array, Array]
 
 @record
 class Weights:
-    """A linear functional of a change f' of the profile, as a weighted sum over points x.
-    It sums heights f'(x) and slopes f''(x).
+    """A linear functional of a change of the profile.
+    It is a weighted sum of the heights and of the slopes of the change at points x.
 
     x: places [m]. heights, slopes: their weights. error: relative error of the sum.
     """
@@ -276,7 +281,8 @@ class _Adjoint:
     @cached_property
     def _panels(self) -> Array:
         """Ends of panels that cover all cells and are at most as wide as the kernel's length.
-        On a half-plane the regular part of the kernel varies over the period only: one panel.
+        On a half-plane the regular part of the kernel varies over the period only: one panel is
+        enough.
         """
         lo, hi = float(self._cells[0]), float(self._cells[-1])
         length = self.problem.kernel.length
@@ -320,11 +326,11 @@ class _Adjoint:
         return np.concatenate(places), np.concatenate(weights)
 
     def _rule(self, one: Source, cuts: Array, count: int) -> tuple[Array, Array, float | None]:
-        """Quadrature of the integral of w g dt on a zone, with the singular weight w of a source.
-        The result is the nodes t, their weights, and the weight of g(place), which is None for an
-        end.
+        """Quadrature of the integral of w g dt on a zone, with a source's singular weight w.
+        The function g is smooth. The result is the nodes t, their weights, and the weight of
+        g(place), which is None for an end.
 
-        cuts: angles between which g is smooth. count: number of nodes between them, at the least.
+        cuts: angles between which g is smooth. count: least number of nodes from 0 to pi.
         """
         if one.end:
             t, weight = _gauss(cuts, count)
@@ -364,10 +370,11 @@ class _Adjoint:
 
 
 def _graded(place: float, lo: float, hi: float) -> Array:
-    """Points of [lo, hi] whose distances from `place` are halved again and again, and `place`.
+    """Points of [lo, hi] at distances from `place` that are halved again and again, and `place`.
 
-    A polynomial that begins at a knot beside `place`, divided by the distance from `place`, is
-    nearly singular at `place`.
+    They are ends of panels. If a knot of the profile is close to `place`, the integrand beyond the
+    knot is a polynomial divided by the distance from `place`. This is nearly singular, so panels
+    must be short there.
     """
     away = (hi - lo) * 0.5 ** np.arange(1, 2 * NODES)
     at = np.concatenate(([lo, place, hi], place - away, place + away))
@@ -387,10 +394,11 @@ def _gauss(cuts: Array, count: int) -> tuple[Array, Array]:
 
 def full_weights(fields: FullFields, functional: Functional, tip: float) -> Weights:
     """Weights of a functional in full contact on a half-plane, where p' = - (E*/2) H f''.
-    Here p' is the change of the pressure, f' that of the profile, and H the Hilbert transform.
+    Here p' is the change of the pressure, f' that of the profile, f'' the slope of f', and H the
+    Hilbert transform.
 
-    H f'(x*) is the principal value of (1/L) int f'(x) cot(pi (x* - x) / L) dx. At a point z of the
-    body, the transform of p' is (i E* / 2 L) int f'(x) cot(pi (z - x) / L) dx.
+    H f''(x*) is the principal value of (1/L) int f''(x) cot(pi (x* - x) / L) dx. At a point z of
+    the body, the transform of p' is (i E* / 2 L) int f''(x) cot(pi (z - x) / L) dx.
     """
     profile, modulus = fields.problem.profile, fields.problem.units.E_star
     period = profile.period

@@ -1,7 +1,8 @@
 """`Direction`: a change of a profile, as a profile of its own.
 
-The derivative of a contact by a parameter of its profile is again a contact field, whose right side
-is the slope of the change. So a change has all that a profile has: height, slope, kinks and jumps.
+The derivative of a contact by a parameter of its profile is again a contact field. Its equation has
+the slope of the change on the right side. So a change has all that a profile has: height, slope,
+kinks and jumps.
 """
 
 from __future__ import annotations
@@ -216,7 +217,7 @@ class Direction(Profile):
     def by_parameter(cls, profile: Profile, to: Parameter, x: Array) -> tuple[Direction, float]:
         """Derivative of the heights at fixed x by one parameter, and its relative error.
 
-        x: places [m] at which changes are compared.
+        x: places [m] at which differences with two different steps are compared.
 
         Raises
         ------
@@ -306,7 +307,8 @@ class _Varied:
     @cached_property
     def size(self) -> float:
         """The size of the parameter, by which the relative step of a difference is multiplied.
-        Of an array it is the largest entry, and it is 1 if all entries are 0.
+        For an entry of an array, it is the largest absolute value in the array. It is 1 if all
+        values are 0.
         """
         largest = float(np.abs(np.asarray(self.value, dtype=float)).max())
         return abs(self.at) if self.to.index is None and self.at else largest or 1.0
@@ -349,7 +351,7 @@ def _differ(one: Direction, other: Direction, x: Array) -> float:
 def places_of(profile: Profile, zones: Array | None = None) -> Array:
     """Places at which two changes of a profile are compared: in the cell, and on each zone.
 
-    Bumps may be narrow, so that even places alone could miss what touches.
+    Zones may be much narrower than the cell, so that evenly spaced places alone could miss them.
     """
     known = profile.support or profile.known or (-1.0, 1.0)
     t = (np.arange(DETAIL.min_samples) + 0.4142) / DETAIL.min_samples

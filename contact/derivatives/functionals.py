@@ -24,11 +24,12 @@ from sie import Array, record
 
 @record
 class Weighted:
-    """The adjoint weights of one number of the solution, such as its load. They are computed on the
-    zones and on zones moved by their stated error; the difference shows the error of the weights.
+    """The adjoint weights of one number of the solution, such as its load.
 
-    control: weights of the controlled quantity; `unsure` times these weights bounds a further
-    error of those in `found`. None if the load is given, or if errors are not asked for.
+    found: the weights on the solution's zones, then on zones moved by their stated error; the
+    differences show the error of the weights. control, unsure: `unsure` times the weights `control`
+    bounds a further error, due to errors of derivatives by the load. `control` is None if the load
+    is given, or if errors are not asked for.
     """
 
     found: tuple[Weights, ...]
@@ -85,11 +86,11 @@ class Functionals(sie.Kept):
 
     def weights(self, number: str, index: tuple[int, ...]) -> Weighted:
         """Adjoint weights of `number` at a fixed value of the scene's control.
-        The derivative of the number is their sum over heights and slopes of a change of the
-        profile.
+        The derivative of the number is the sum of these weights times heights and slopes of a
+        change of the profile.
 
-        index: that of the entry, for a number that is an array. The largest pressure and the
-        largest stress may have the index of one of their places.
+        index: index of the entry, if the number is an array. For the largest pressure and the
+        largest stress, it may be the index of a place where they occur.
         """
         if self.refusal:
             raise SceneError(f"{self.refusal}: use `of(number, to=...)`", "number", number)
@@ -150,7 +151,7 @@ class Functionals(sie.Kept):
 
     @property
     def refusal(self) -> str:
-        """Why derivatives by all heights at once are not known here; empty if they are known."""
+        """Why derivatives by all heights at once are not known for the solution; "" if known."""
         fields, law = self.solution.fields, self.solution.scene.law
         if law.kappa or isinstance(fields, ZoneFields) and fields.solved_zones.follow_ends:
             return (
@@ -170,7 +171,7 @@ class Functionals(sie.Kept):
 
     @cached_property
     def _control(self) -> tuple[Functional, float, float] | None:
-        """(functional of the controlled quantity, its derivative by the load, error of that).
+        """The controlled quantity's functional, its derivative by the load, and the latter's error.
 
         None if the load is given.
         """

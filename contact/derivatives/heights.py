@@ -1,9 +1,10 @@
 """The derivatives of a functional of a measured profile by the heights of all its points.
 
-The spline through points (x, z) is a cubic on each interval, known from the heights z and slopes s
-at its ends; the slopes solve A s = R z. Let a weighted sum of heights and slopes of the spline have
-the derivatives g by z at fixed s, and k by s at fixed z. Then its whole derivative by z is
-g + R' A'^(-1) k.
+The spline through points (x, z) is a cubic polynomial on each interval. The heights z and the
+slopes s at both ends of the interval determine it; the slopes solve A s = R z with matrices A and
+R. Let a weighted sum of heights and slopes of the spline have the derivatives g by z at fixed s,
+and k by s at fixed z. Then the whole derivative of this sum by z is g + R^T A^(-T) k (T:
+transposed).
 """
 
 from __future__ import annotations
@@ -62,7 +63,8 @@ def _slopes(h: Array, repeats: bool) -> tuple[Any, Any]:
             (i, right, 1 / after, 3 / after**2),
         ]
     if not repeats:
-        # Not a knot: the third derivative does not jump at the second and the last but one point.
+        # The "not-a-knot" condition: the third derivative does not jump at the second point and at
+        # the last but one.
         for i, step, a, b in ((0, 1, h[0], h[1]), (n - 1, -1, h[-1], h[-2])):
             d, sign = a + b, float(step)
             first, second = sign * (a + 2 * d) * b / d / a, sign * a * a / d / b

@@ -37,7 +37,8 @@ class Change:
     """Derivatives of the results of a solution by one parameter, with their errors.
     The derivative of the pressure is a function of x.
 
-    values, errors: of the numbers. pressure: derivative of the pressure at fixed x.
+    values: derivatives of the numbers. errors: errors of these derivatives. pressure: derivative of
+    the pressure at fixed x.
     """
 
     values: Numbers
@@ -72,7 +73,8 @@ class Linearized(sie.Kept):
         """stated: whether errors are asked for, which take two more solves.
 
         stress: the largest stress of the solution, if derivatives of it are asked for.
-        tops: local maxima of the pressure, which take the places of the largest pressure.
+        tops: places [m] of local maxima of the pressure, used instead of those of the largest
+        pressure.
         """
         self.solution, self.stated, self.stress, self.tops = solution, stated, stress, tops
 
@@ -138,7 +140,7 @@ class Linearized(sie.Kept):
     def at_control(self, change: Change, target: float) -> Change:
         """Derivatives at a fixed value of the control, from those at a fixed load (`change`).
 
-        target: derivative of the value [SI] that the control prescribes.
+        target: derivative, by the parameter, of the value [SI] that the control prescribes.
         """
         if self.held.quantity is Quantity.LOAD and target == 0.0:
             return change
@@ -162,7 +164,7 @@ class Linearized(sie.Kept):
 
     @cached_property
     def by_moment(self) -> Change:
-        """The derivative of the results by the moment [N] that is given, at fixed load."""
+        """The derivative of the results by the given moment [N], at a fixed load."""
         return self.along(Direction.none(self.solution.scene.profile), 0.0, 1.0)
 
     def along(self, direction: Profile, load: float = 0.0, moment: float = 0.0) -> Change:

@@ -6,7 +6,7 @@ and from that by the load P:
 
     E* dJ/dE* = D_f J - h J                  J grows like the power h of heights
     K dJ/dK   = d J - P dJ/dP - E* dJ/dE*    J grows like the power d of pressures
-    x -> (1 + e) x: p -> p / (1 + e), K -> K sqrt(1 + e); loads and approaches stay
+    x -> (1 + e) x: p -> p / (1 + e), K -> K / sqrt(1 + e); loads and approaches stay
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ class ParameterRates(sie.Kept):
     def of(self, to: Parameter) -> tuple[Change, float]:
         """Derivatives by a parameter: of all numbers, and of the value [SI] of the control.
 
-        The control is the prescribed quantity, such as a mean pressure, and may depend on the
-        parameter.
+        The control prescribes one quantity, whose value may depend on the parameter. For example, a
+        given mean pressure prescribes the load, which depends on the period.
         """
         if to.key == MODULUS:
             return self._by_modulus, 0.0
@@ -168,7 +168,7 @@ class ParameterRates(sie.Kept):
         return _difference(intensity, value, STEP * abs(value)) / law.intensity(E_star)
 
     def _value_change(self, degrees: dict[str, float]) -> Change:
-        """A change in which every number changes by itself times its exponent in `degrees`.
+        """A change of every number by its own value times its exponent in `degrees`.
         The pressure does not change.
         """
         values = self.linearized.values

@@ -31,7 +31,7 @@ WINDOW = EPS ** (1 / 5)
 
 
 def peaks(solution: Solution) -> Array:
-    """Places [m] (k,) of the largest pressure; empty if it is infinite or reached on a plateau."""
+    """Places [m] (k,) of the largest pressure; empty if it is infinite or not positive."""
     x = _samples(solution)
     return _maxima(solution.pressure, x, Window.of(solution)) if len(x) else x
 
@@ -39,7 +39,7 @@ def peaks(solution: Solution) -> Array:
 def _samples(solution: Solution) -> Array:
     """Ascending places [m] between which the pressure has at most one local maximum.
 
-    Empty if the largest pressure is infinite or reaches a plateau.
+    Empty if the largest pressure is infinite or not positive.
     """
     zones, profile = solution.zones, solution.scene.profile
     if not np.isfinite(solution.max_pressure) or not solution.max_pressure > 0:
@@ -55,7 +55,7 @@ def _samples(solution: Solution) -> Array:
 
 
 def tops(solution: Solution, most: int) -> Array:
-    """Places of the local maxima of the pressure [m], ascending, the highest `most` of them."""
+    """Ascending places [m] of the highest local maxima of the pressure, at most `most` of them."""
     x = _samples(solution)
     if len(x) == 0:
         return x
@@ -113,8 +113,11 @@ def _kinks(profile: Profile) -> Array:
 
 @dataclass(frozen=True)
 class Window:
-    """Data for refining the place of a maximum: intervals, shortest length, cusps and error.
-    Each maximum lies in one of the intervals.
+    """Data for refining the place of a maximum of a function.
+
+    ends: intervals [m]; each maximum lies in one of them. shortest: shortest length [m] over which
+    the profile varies. cusps: places [m] at which the function is not smooth. error: relative error
+    of the function.
     """
 
     ends: Array

@@ -1,10 +1,10 @@
 """Derivatives of the pull-off load under edge intensities that a law prescribes.
 
-At pull-off the load P is least along the branch: some motion x of the ends leaves the intensities
-as they are, M x = 0, with the derivatives M of intensities by motions. Let y M = 0. If the profile
-changes, the intensities on the present zones change by k_f, and by k_P for a unit of load. The ends
-can restore the intensities only if y (k_f + k_P dP) = 0. This gives the change dP of the pull-off
-load.
+Let the matrix M hold the derivatives of the edge intensities by motions of the ends. At pull-off
+the load P is least along the branch. So some motion x of the ends leaves the intensities as they
+are: M x = 0. Let y be the left null vector, y M = 0. On the present zones, a change of the profile
+changes the intensities by k_f, and a change dP of the load by k_P dP. Motions of the ends can
+restore the intensities only if y (k_f + k_P dP) = 0. This gives the change dP of the pull-off load.
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ class PullOffRates(sie.Kept):
     @cached_property
     def _folds(self) -> tuple[Fold, Fold, float]:
         """(fold at pull-off, a second fold beside it, relative position error of the first fold).
-        The error is the distance of the first fold from exact pull-off, divided by the distance of
-        both folds.
+        The error is the distance of the first fold from exact pull-off, divided by the distance
+        between the two folds.
         """
         here = self._fold(np.zeros((2, len(self._table))))
         motion = here.right.reshape(2, -1)

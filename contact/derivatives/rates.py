@@ -1,7 +1,7 @@
-r"""The derivative of a contact by a change of its profile or of its load: a field of its own.
+r"""The derivative of a contact by a change of its profile or load, which is again a contact field.
 
 Let p be the pressure, f the profile, and s a parameter. At first order the zones stay: p vanishes
-at free ends, so that a moved end adds nothing to an integral. On the zones the derivative p' has
+at free ends, so that a moved end adds nothing to an integral. On the zones the derivative p' causes
 the displacement delta' - f', with the approach delta; outside the zones p' is zero. So p' solves
 the equation of p with f' in place of f on the same zones, with the load P'. At a distance d from a
 free end p ~ A d^(1/2), but p' ~ k d^(-1/2) is singular: the end moves outward at the rate 2 k / A.
@@ -105,13 +105,15 @@ def rate_of(fields: Fields, direction: Profile, load: float, moment: float = 0.0
 
 @record
 class RateFields(ZoneFields):
-    """The derivatives of the pressure and the displacement of a contact, as fields of their own."""
+    """The derivatives of the fields of a contact by one parameter.
+    A member such as `pressure` is the derivative of the contact's pressure.
+    """
 
     @cached_property
     def levels(self) -> Array:
-        # The displacement is taken at the middles of the zones. At an end the derivative is
-        # singular, and its displacement as steep as a square root, so that a rounded position costs
-        # half of the digits.
+        # The derivatives of the levels follow from the displacement at the middles of the zones. At
+        # an end the derivative of the pressure is singular, and its displacement is as steep as a
+        # square root. There a rounded position would cost half of the digits.
         middle = self.density.zones.middle
         return -(self._relative_displacement(middle) + self.standing_shape(middle))
 

@@ -1,4 +1,4 @@
-"""Solutions whose derivatives are not known are refused by name."""
+"""Errors for solutions whose derivatives are not known."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ class Response:
     of_period : float
         Derivative of the period by the parameter, on which the mean pressure depends.
     by_load : Change or None
-        The derivatives by the load, which that of first yield needs.
+        The derivatives by the load, from which the derivative of first yield is computed.
 
     Examples
     --------
@@ -164,7 +164,7 @@ class Response:
         return Derivative(value, error, note)
 
     def _first_yield(self) -> Derivative:
-        """Derivative of the load of first yield, at which the largest stress keeps its value."""
+        """Derivative of the load of first yield, under which the largest stress stays the same."""
         assert self.by_load is not None
         rise, unsure = _rise_of_stress(self.by_load)
         values, errors = self.change.values, self.change.errors

@@ -59,7 +59,7 @@ class Sensitivity(sie.Kept):
     stress : LargestStress or None
         The largest stress, if derivatives of it are asked for.
     tops : ndarray or None
-        Local maxima of the pressure [m], which take the places of the largest pressure.
+        Places of local maxima of the pressure [m], used instead of those of the largest pressure.
 
     Examples
     --------
@@ -108,7 +108,7 @@ class Sensitivity(sie.Kept):
         return (*self._rates.values, *(() if self.stress is None else OF_CRITERION))
 
     def of(self, number: str, to: str) -> Derivative:
-        """The derivative of a number of the solution by one of the scene's data.
+        """The derivative of one result, such as the load, by one parameter of the scene.
 
         Parameters
         ----------
@@ -116,7 +116,7 @@ class Sensitivity(sie.Kept):
             See `Response.of`; or "pull_off", the load of `Solution.pull_off`, under a law of
             adhesion without range.
         to : str
-            The name of the data as in a scene file: "profile.amplitude", "material.E_star",
+            The name of the parameter as in a scene file: "profile.amplitude", "material.E_star",
             "law.work_of_adhesion", "control.load". An array such as "profile.cosine" has an array
             of derivatives, and "profile.cosine[2]" one. With a criterion also "strength" and "nu".
 
@@ -127,7 +127,7 @@ class Sensitivity(sie.Kept):
         Raises
         ------
         SceneError
-            If the name is not known, or the derivative is not.
+            If a name or the derivative is not known.
         """
         parameter = Parameter.parsed(to)
         one_of("to", parameter.key, self.keys)
@@ -178,7 +178,7 @@ class Sensitivity(sie.Kept):
             profile. It is smooth on the zones and, if the profile is periodic, periodic. A profile
             also declares its kinks and jumps.
         dslope : callable or None
-            Its slope; left out for a profile.
+            The slope of this change; left out if `dheight` is a profile.
 
         Returns
         -------
@@ -253,13 +253,13 @@ class Sensitivity(sie.Kept):
         return replace(found, note=found.note or self.note)
 
     def _by_adjoint(self, to: Parameter) -> bool:
-        """Whether one solve of an adjoint equation gives the derivatives by an array of a body."""
+        """Whether one adjoint solve gives the derivatives by all entries of an array of a body."""
         return to.table in self.solution.scene.profile.bodies and not self._functionals.refusal
 
     def of_tops(self, to: str, number: str = "max_pressure") -> Array:
         """Derivatives (entries, k) of pressure or stress at its k local maxima; no error estimates.
 
-        to: the name of data of the scene; a number counts as one entry.
+        to: the name of a parameter of the scene; a single number counts as one entry.
         number: "max_pressure" or "max_stress".
         """
         value, count = self._rates.values[to], len(getattr(self.linearized.values, number))
@@ -294,7 +294,7 @@ class Sensitivity(sie.Kept):
     def _response(self, change: Change, target: float = 0.0) -> Response:
         """Derivatives at a fixed value of the control, from those at a fixed load (`change`).
 
-        target: derivative of the value [SI] that the control prescribes.
+        target: derivative, by the parameter, of the value [SI] that the control prescribes.
         """
         found = self.linearized.at_control(change, target)
         by_load = self.linearized.by_load if self.stress is not None else None
@@ -333,12 +333,13 @@ def sensitivity(
     ----------
     solution : Solution or Yield
         A solution of contact by zones, by gaps or in full contact, isolated or periodic, on a
-        half-plane or a layer, with friction or with adhesion by edge intensities. The errors of
-        derivatives follow from its own: solve with a small `tol` for many digits. Or what
-        `solution.first_yield` found: then also derivatives of the load of first yield.
+        half-plane or a layer, with friction or with adhesion by edge intensities. The errors of its
+        derivatives follow from its own error: solve with a small `tol` for many digits. Or the
+        result of `solution.first_yield`: then derivatives of the load of first yield are known,
+        too.
     nu : float or None
         Poisson's ratio of body 1, for derivatives of its largest equivalent stress, "max_stress",
-        and of "first_yield", the load at which this stress is what it is now.
+        and of "first_yield", the load at which this stress keeps its present value.
     criterion, lateral : str
         The equivalent stress, as for `first_yield`.
 

@@ -33,7 +33,8 @@ class Source:
         The arguments are left = z + 1 and right = z - 1.
         """
         root = np.sign(left) * np.sqrt(left * right)
-        # The differences of nearly equal terms far from the zone are expanded, as left - right = 2.
+        # Far from the zone, differences of nearly equal terms would lose digits. They are rewritten
+        # with left - right = 2.
         if self.end == 1:
             value, rise = 2 / (right * (np.sqrt(left / right) + 1)), -1 / (right * root)
         elif self.end == -1:

@@ -1,10 +1,11 @@
 r"""Places of the largest equivalent stress in the body, and derivatives of it there.
 
-The derivative of the largest stress is that of the stress at the fixed place: where the place is a
-maximum, its own motion changes nothing at first order (the envelope theorem). So it is the sum of
-the slopes of the criterion times the stresses that the derivative p' of the pressure causes. First
-yield is at the load P at which the largest stress s is the strength Y. At a fixed load, a change of
-the scene changes s by s', and a unit of load by s_P, so that
+The derivative of the largest stress is that of the stress at a fixed place, since a motion of the
+maximum changes nothing at first order (the envelope theorem). The derivative p' of the pressure
+causes stresses xx, yy and xy at this place. The derivative of the equivalent stress is the sum of
+these stresses times its slopes, which are its derivatives by xx, yy and xy. First yield is at the
+load P at which the largest stress s equals the strength Y. At a fixed load, a change of the scene
+changes s by s', and a unit of load by s_P, so that
 
     P' = -s' / s_P,    dP / dY = 1 / s_P.
 """
@@ -31,17 +32,17 @@ from contact.inside.yielding import infinite_at
 from contact.solution.solution import Solution
 from sie import Array, record
 
-# Nodes along each side of the square in which a place is corrected by a polynomial. The stresses
-# are analytic at distances below the depth y. So in a square of the half width y / SHARE, the
-# coefficients fall like (2 SHARE)^-n: with 16^-12 they end at round-off.
+# Number of nodes along each side of the square in which a place is corrected by a polynomial. The
+# stresses are analytic at distances from the place below its depth y. So in a square of the half
+# width y / SHARE, the coefficients fall like (2 SHARE)^-n: with 16^-12 they end at round-off.
 NODES = 13
 SHARE = 8.0
 
 
 @record
 class StressPoint:
-    """A point [m] of the largest stress, its value [Pa], and its derivatives by xx, yy and xy.
-    The latter are the stress components at the point.
+    """A point [m] of the largest equivalent stress, and the value [Pa] of this stress.
+    `slopes` are its derivatives by the stress components xx, yy and xy at the point.
 
     transform: factors (A, B), with which Re(A F + B F') is the derivative of the largest stress,
     for the transform F of p' at the place and its derivative F', at a given load.
@@ -65,7 +66,7 @@ class LargestStress(sie.Kept):
     criterion : Criterion
         The criterion of the equivalent stress.
     missed : float
-        Relative error of the load at which the stress is that of first yield.
+        Relative error of the load of first yield, if the solution is under this load.
     local : bool
         Whether all local maxima that the search finds count, also those below the largest.
     """
@@ -120,13 +121,15 @@ class LargestStress(sie.Kept):
         return np.array([one.stress for one in self.points])
 
     def on(self, fields: Fields) -> tuple[StressPoint, ...]:
-        """The points of the largest stress, found anew for slightly different fields."""
+        """The points of the largest stress in `fields`, which are close to those of the solution."""
         if fields is self.solution.fields:
             return self.points
         return tuple(self._settled(fields, one.x, one.y) for one in self.points)
 
     def rates(self, fields: Fields, rate: Rate) -> Array:
-        """Derivatives of the largest stress at each of its points, found anew on `fields`."""
+        """Derivatives of the largest stress by the parameter of `rate`, one for each of `points`.
+        They are taken at the points that `on` finds for `fields`.
+        """
         if rate.fields is None:
             return np.full(len(self.points), np.nan)
         points = self.on(fields)
@@ -224,7 +227,7 @@ class LargestStress(sie.Kept):
 
 
 def _factors(slopes: Array, y: float, ratio: float) -> tuple[complex, complex]:
-    """(A, B), with which the slopes times the stresses of a pressure are Re(A F + B F').
+    """(A, B) such that Re(A F + B F') is the sum of the slopes times the stresses under a pressure.
     F is the transform of the pressure at the point, and F' its derivative.
 
     See `contact.inside.stress`; the shear is `ratio` times the pressure.
