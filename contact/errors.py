@@ -40,7 +40,7 @@ class ContactError(Exception):
 class SceneError(ContactError, ValueError):
     """Error for bad input; it names the field, the field's value and the allowed values.
 
-    The three are None if the message is about more than one field.
+    `field`, `value` and `allowed` are None if the message is about more than one field.
 
     Parameters
     ----------

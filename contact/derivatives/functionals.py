@@ -171,7 +171,7 @@ class Functionals(sie.Kept):
 
     @cached_property
     def _control(self) -> tuple[Functional, float, float] | None:
-        """The controlled quantity's functional, its derivative by the load, and the latter's error.
+        """(functional, derivative by the load, its error) of the controlled quantity.
 
         None if the load is given.
         """

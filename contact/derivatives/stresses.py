@@ -121,7 +121,7 @@ class LargestStress(sie.Kept):
         return np.array([one.stress for one in self.points])
 
     def on(self, fields: Fields) -> tuple[StressPoint, ...]:
-        """The points of the largest stress in `fields`, which are close to those of the solution."""
+        """The points of the largest stress in `fields`, close to those of the solution."""
         if fields is self.solution.fields:
             return self.points
         return tuple(self._settled(fields, one.x, one.y) for one in self.points)

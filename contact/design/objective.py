@@ -17,7 +17,7 @@ from contact.inside.yielding import CRITERIA
 from contact.model.checks import one_of, poisson_ratio, positive
 from sie import Array
 
-# The number that is the largest of several: the local maxima of the pressure.
+# The number that is the largest of several values, which are the local maxima of the pressure.
 PEAK = "max_pressure"
 
 Judged = Callable[[Sequence[Array]], tuple[float, Sequence[ArrayLike]]]
@@ -68,7 +68,7 @@ class Objective:
 @dataclass(frozen=True, eq=False)
 class Measured:
     """An objective that fits a result of the contact to measured values.
-    It is the sum of the squares of their differences.
+    It is the sum of the squares of the differences.
 
     Parameters
     ----------

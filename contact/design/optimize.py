@@ -35,9 +35,9 @@ def optimize(
     scene : Scene
         The first design.
     objective : str, Objective, Measured or StressObjective
-        What is made as small as possible: the name of a number of the contact, with a minus sign to
-        make it large (its mean over the values of the control); any function of a number; the
-        distance from measured values; or the largest stress or first yield.
+        The quantity to be minimized: the name of a number of the contact, with a minus sign to
+        maximize it (its mean over the values of the control); any function of a number; the
+        distance from measured values; the largest stress; or the load of first yield.
     over : mapping
         Names of data, as in scene files, with their bounds (lowest, highest): numbers, or arrays
         for an array such as "profile.cosine".
@@ -56,15 +56,15 @@ def optimize(
     Raises
     ------
     SceneError
-        If something given is not what it must be, or a derivative is not known.
+        If an argument is not valid, or a derivative is not known.
     NotConverged, OutOfRange
-        If a design on the way cannot be solved: narrow the bounds. If no design met satisfies
-        `subject_to`: the nearest one is `best` of the error.
+        If a design cannot be solved during the search: narrow the bounds. If no evaluated design
+        satisfies `subject_to`: the nearest one is the attribute `best` of the error.
 
     Examples
     --------
-    A wave that is stiff under a load, with at most three times the mean pressure anywhere: on a
-    wave p = 2 sqrt(mean pressure pi E* amplitude / period).
+    A wave with the smallest contact under a load, and a pressure of at most three times the mean.
+    On a wave the largest pressure is 2 sqrt(mean pressure pi E* amplitude / period).
 
     >>> import contact
     >>> import numpy as np

@@ -108,7 +108,7 @@ class Problem:
         return self._known[key]
 
     def best(self, last: Array) -> Array:
-        """The vector of the best design met that satisfies the conditions to the tolerance.
+        """The vector of the best evaluated design that satisfies the conditions to the tolerance.
 
         It is `last` if no other design is better than `last` by more than the tolerance. If no
         design satisfies the conditions, the vector with the smallest violation is returned.
@@ -130,7 +130,7 @@ class Problem:
         return max(0.0, -float(self.rooms(vector).min(initial=0.0)))
 
     def _solved(self, scene: Scene) -> Solution:
-        """Contact of a scene; if the tolerance is missed, one with half of the digits right."""
+        """Contact of a scene; if the tolerance is missed, one with half of the wanted digits."""
         try:
             return solve(scene, self.tol)
         except NotConverged as missed:
@@ -211,8 +211,9 @@ class Problem:
     def competing(self, vector: Array) -> Array:
         """Values at the places that compete for the objective: a row of n + 1 for each contact.
 
-        The places are local maxima of the pressure or of the stress (`Places`). A row holds the
-        largest values: more than n + 1 do not determine a design of n data. Missing values are 0.
+        The places are local maxima of the pressure or of the stress (`Places`). A row holds only
+        the n + 1 largest values: in a design of n data, more than n + 1 values are not equal in
+        general. Missing values are 0.
         """
         found = self.contact(vector)
         return self._values(vector, found.tops if self.of_pressure else found.stresses)

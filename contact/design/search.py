@@ -88,7 +88,7 @@ def _lowest_levels(problem: Problem) -> Design:
         bounds=[(0.0, 1.0)] * n + [(0.0, None)] * many,
         method="SLSQP",
         constraints=[{"type": "ineq", "fun": rooms, "jac": slopes_of}],
-        options={"ftol": problem.tol, "maxiter": max(100, 10 * n)},  # as many peaks become equal
+        options={"ftol": problem.tol, "maxiter": max(100, 10 * n)},  # since peaks become equal
     )
     best = problem.best(_within(found.x[:n]))
     values = problem.competing(best)
@@ -99,9 +99,10 @@ def _lowest_levels(problem: Problem) -> Design:
 
 
 def _level_slopes(problem: Problem, vector: Array, unit: float) -> Array:
-    """Derivatives of the levels minus the values of `Problem.competing`, and of `Problem.rooms`.
-    They are derivatives by the vector of data and by the levels. The levels and the values are
-    divided by `unit`.
+    """Derivatives of the constraints of `_lowest_levels`; a row for each constraint.
+    The columns belong to the entries of the vector of data, then to the levels. The first
+    constraints are a level minus a value of `Problem.competing`, both divided by `unit`; the others
+    are `Problem.rooms`.
     """
     slopes = problem.competing_slopes(vector)
     many, n = len(slopes), len(vector)
@@ -156,7 +157,7 @@ def _at_bounds(problem: Problem, vector: Array, count: int) -> list[Array]:
 def _left(gradient: Array, rows: list[Array]) -> float:
     """Norm of the part of a gradient that is no sum of rows with multipliers of the right sign.
 
-    The multipliers are those of least squares (Karush, Kuhn & Tucker).
+    The multipliers are found by least squares (conditions of Karush, Kuhn & Tucker).
     """
     unit = float(np.linalg.norm(gradient)) or 1.0
     if not rows:

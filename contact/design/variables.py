@@ -65,7 +65,7 @@ class Variables:
 
     @property
     def start(self) -> Array:
-        """The scaled vector that gives the scene's own data; its entries run from 0 to 1."""
+        """The scaled vector that gives the scene's own data; its entries lie between 0 and 1."""
         values = [
             _padded(value, count)
             for value, count in zip(self.own.values(), self.counts, strict=True)

@@ -18,7 +18,8 @@ def explore(
 ) -> Page:
     """Open a page with sliders for the numbers of a scene.
 
-    It shows both bodies, the pressure, the stress below, the load curve and the stated error.
+    The page shows both bodies, the pressure, the stress below the surface, the load curve and the
+    stated error.
 
     A notebook displays the returned object; elsewhere its `show()` opens a browser, and `contact
     explore SCENE` serves the same page. The page is served to this machine only.

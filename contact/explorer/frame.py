@@ -50,7 +50,7 @@ _REPORT = "contact.solution.report"
 @dataclass(frozen=True)
 class Frame:
     """One picture of a solution: the curves of body, surface, contact and pressure.
-    `names` gives the units of the axes.
+    All are in the units of the axes, which `names` states.
 
     fields: rows of x, heights of the body, heights of the deformed surface, heights in contact, and
     pressure; zones: rows of ends; names: labels of x, height and pressure. details: other numbers

@@ -1,9 +1,9 @@
 """The sliders of a scene: its control, the numbers of its parts, and the size of its shape.
 
-Nothing here knows a profile, a law or a substrate by name. Each number of a part has a slider of
-its own. The lists of numbers of a profile share two sliders: the amplitude multiplies the lists
-that scale all heights, and the length multiplies the lists that scale the x axis. Doubling the
-lists shows what they scale. A further slider replaces the shape by a number of samples.
+This module knows no profile, law or substrate by name. Each number of a part has a slider of its
+own. The lists of numbers of a profile share two sliders: the amplitude multiplies the lists that
+scale all heights, and the length multiplies the lists that scale the x axis. The module doubles the
+lists to find out what they scale. A further slider replaces the shape by a number of samples.
 """
 
 import math
@@ -95,7 +95,7 @@ def moduli_handles(material: Mapping[str, float]) -> tuple[Handle, ...]:
     """Sliders for the elastic constants of a scene file: E1, nu1, E2 and nu2.
     Empty if the file gives E_star instead.
 
-    They have no `at`: a scene knows E* only, which follows from all of them.
+    Their function `at` changes nothing: a scene knows E* only, which follows from all four.
     """
     if "E1" not in material:
         return ()

@@ -167,7 +167,7 @@ class Session:
     def frame(self, request: Mapping[str, Any]) -> Parts:
         """The solution for values of the sliders, as numbers and curves.
 
-        With "fine", it is solved to the page's tolerance, and the scene's file is added.
+        With "fine", the scene is solved to the page's tolerance, and the text of its file is added.
         """
         fine = bool(request.get("fine"))
         values = request.get("values") or {}
@@ -287,7 +287,7 @@ class Session:
     def curve(self, request: Mapping[str, Any]) -> Parts:
         """More of the load curve: some points, or under adhesion both branches at once.
 
-        "done" tells that nothing is missing.
+        "done" in the reply tells that the curve is complete.
         """
         assert self.solution is not None
         scene, tol = self.solution.scene, max(self.tol, OPTIONS.tol_while_moving)
@@ -303,8 +303,8 @@ class Session:
                 if self.is_awaited() or time.perf_counter() > end:
                     return self._reply_curve(Branches([self._points], [], []), False)
         except _GaveWay:
-            # A generator that has raised an exception cannot go on. So the next request begins the
-            # curve anew.
+            # A generator that has raised an exception cannot go on. So the next request starts the
+            # curve again.
             self._walk = None
             raise
         return self._reply_curve(Branches([self._points], [], []), True)

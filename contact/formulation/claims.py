@@ -35,10 +35,10 @@ class ClaimOptions:
 
     With any value doubled or halved, the check finds the same errors.
 
-    panels: number of panels. nodes: number of nodes of Gauss's rule, which is applied to one, two
-    and three parts of a panel. A panel that disagrees is divided into as many parts. margin: factor
-    on estimated errors; also the ratio of the errors of pressures and ends to the relative error of
-    the slope.
+    panels: number of panels. nodes: number of nodes of Gauss's rule, which is applied to a whole
+    panel, to its halves and to its thirds. It is also the number of parts into which a panel is
+    divided if height and slope disagree on it. margin: factor on estimated errors; also the ratio
+    of the errors of pressures and ends to the relative error of the slope.
     """
 
     panels: int = 16

@@ -2,9 +2,9 @@ r"""`Conjugate`: the periodic Hilbert transform H f' of the slope of a profile.
 
 H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi takes cos kx to sin kx and sin kx to -cos kx.
 
-A profile may have it in closed form. Otherwise the declared jumps of f', f'' and f''' are
-subtracted from f' as periodic Bernoulli polynomials. With u = (x - s)/L and J the jump, their
-transforms are
+A profile may have H f' in closed form. Otherwise the declared jumps of f', f'' and f''' are
+subtracted from f' as periodic Bernoulli polynomials. Let J be the jump of the q-th derivative of f'
+at s, and u = (x - s)/L. Then the transforms of these polynomials are
 
     q = 0   (J / pi) ln|2 sin(pi u)|
     q = 1   -(J L / 2 pi^2) Cl_2(2 pi u),    Cl_2(y) = sum_k sin(ky)/k^2
@@ -16,8 +16,8 @@ The rest is smooth, and its Fourier series is transformed term by term. Poles of
 together are one piecewise quadratic, whose transform takes a time that does not grow with their
 number (pieces.py).
 
-The logarithms of kinks are kept separate from the rest, `smooth`. Next to a kink they need the
-distance from it to more digits than x has (sie.jumps.density).
+The logarithms of kinks are kept separate from the rest, `smooth`. Next to a kink, the logarithm
+needs the distance from the kink to more digits than x has (sie.jumps.density).
 """
 
 from collections.abc import Callable
@@ -139,8 +139,8 @@ class Conjugate(sie.Kept):
         """The transform H f' of a profile made of two bodies: the sum of both bodies' transforms.
 
         Each body has its own period. So the logarithmic term of a kink, which `smooth` leaves out,
-        has the period of its body. It is the sum of the logarithmic terms, of the common period,
-        of all repetitions of the kink.
+        has the period of its body. It equals a sum over all repetitions of the kink in the common
+        period, of logarithmic terms with the common period.
         """
         profile = self.profile
         parts = {place: Conjugate(body)._transform for place, body in profile.bodies.items()}
@@ -213,11 +213,11 @@ class Transform:
 class SlopeParts:
     """The slope of a periodic profile as the sum of closed forms and of a Fourier series.
 
-    kinks, jumps: piecewise quadratics with the jumps of f', and with those of f'' and f'''. first,
-    over: the place (1,) and the jump of f''' of a cubic Bernoulli polynomial; empty without jumps.
-    points: poles of algebraic points. terms: complex Fourier terms c_k, k = 1, 2, ... of the rest,
-    whose value is Re sum c_k exp(2 pi i k (x - x0)/L). error, limit, settled, scale: as in
-    `Transform`.
+    kinks: a piecewise quadratic with the jumps of f'. jumps: a piecewise quadratic with the jumps
+    of f'' and f'''. first, over: the place (1,) and the jump of f''' of a cubic Bernoulli
+    polynomial; empty without jumps. points: poles of algebraic points. terms: complex Fourier terms
+    c_k, k = 1, 2, ... of the rest, whose value is Re sum c_k exp(2 pi i k (x - x0)/L). error,
+    limit, settled, scale: as in `Transform`.
     """
 
     kinks: Pieces
@@ -306,9 +306,9 @@ def _series(profile: Profile, length: float) -> Transform:
 class _SampledSeries:
     """Fourier series of a slope from which the declared jumps are subtracted.
 
-    x: evenly spaced places. residual: the slope without its jumps there. coefficients: complex
-    terms. noise: size below which terms are noise. scale: the largest slope or term. settled:
-    whether the series has converged.
+    x: evenly spaced places. residual: the slope at these places, without its jumps. coefficients:
+    complex terms. noise: size below which terms are noise. scale: the largest slope or term.
+    settled: whether the series has converged.
     """
 
     x: Array
@@ -376,7 +376,8 @@ def _last_octaves(size: Array) -> tuple[float, float]:
 def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:
     """Main cause of the error of a Fourier series, in words.
 
-    smooth: the slope at even places x, without its declared jumps. size: of all terms.
+    smooth: the slope at even places x, without its declared jumps. size: absolute values of all
+    terms.
     """
     last, before = _last_octaves(size)
     if settled or last >= OPTIONS.no_decay * before:
@@ -449,9 +450,10 @@ class PeriodicPoles:
                 odd, even = (1 / ((s * s)[:, None] + (k * k)[:, None] * tanh**2) @ weights).T
                 out[here : here + len(s)] += s * k * odd - even + mean
             if conjugate:
-                # The list of poles omits those closest to an algebraic point. Their terms are added
-                # at the point itself, where a pole with the coefficient c at the distance eta adds
-                # i c / (-i eta) = -c / eta to the transform.
+                # The list of poles omits those closest to an algebraic point (a place near which
+                # the slope is a power of the distance). At the point itself their terms matter: a
+                # pole c / (y - i eta) adds i c / (-i eta) = -c / eta to the transform. `left_out`
+                # is the sum of c / eta.
                 out[turns == 0.0] -= self.points.left_out(place, 0.5 * self.length).real
         return out.reshape(np.shape(x))
 

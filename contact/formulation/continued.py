@@ -5,14 +5,14 @@ which is zero far from the line:
 
     R(z) = (1/L) int f'(xi) cot(pi (z - xi)/L) dxi,       R(x + i0) = H f' - i f'.
 
-With w = exp(2 pi i (z - s)/L) and y = x - s on the line, the parts of the slope f' (left; see
-contact.formulation.conjugate) contribute to R (right)
+Let s be the place of a jump or a point, w = exp(2 pi i (z - s)/L), and u = x - s on the line. The
+parts of the slope f' (left; see contact.formulation.conjugate) contribute to R (right)
 
     jump J of f' at s       (J / pi) ln(1 - w)
     piecewise quadratic     the sum over its pieces (sie.PiecewiseTransform)
     Bernoulli polynomial    (J L^2 / 4 pi^3) Li_3(w),      Li_n(w) = sum_k w^k / k^n
     Re sum c_k w^k          -i sum c_k w^k
-    pole c / (y - i eta)    (pi/L) (Re c - i conj(c) cot(pi (z - s + i eta)/L))
+    pole c / (u - i eta)    (pi/L) (Re c - i conj(c) cot(pi (z - s + i eta)/L))
 """
 
 from math import pi

@@ -10,9 +10,9 @@ of a zone is minus its approach:
     width       int p unknown, equal levels,             mean pressure unknown,
                 ends with a given total width            ends with a given total width
 
-The mean displacement, mean u, is `compression` times the mean pressure. Loads are per period where
-there is one. Loads are in units of `Units.load`, approaches in `Units.height`, widths in
-`Units.length`.
+The compliance of the spring of a testing machine is `give`. The mean displacement, mean u, is
+`compression` times the mean pressure. Loads are per period where there is one. Loads are in units
+of `Units.load`, approaches in `Units.height`, widths in `Units.length`.
 """
 
 from __future__ import annotations
@@ -70,13 +70,13 @@ class Control:
         return self._if(Quantity.WIDTH)
 
     def conditions(self) -> Conditions:
-        """Side conditions on pressure and ends of zones, if the pressure is the unknown."""
+        """Side conditions on the unknown pressure, and side conditions on the ends of zones."""
         raise NotImplementedError
 
     def gap_conditions(
         self, period: float, mean_height: Callable[[], float], compression: float
     ) -> Conditions:
-        """Side conditions on slope and ends of gaps, if the slope of the gap is the unknown.
+        """Side conditions on the unknown slope of the gap, and side conditions on the ends of gaps.
 
         The mean pressure is the unknown amplitude of the equation's column 0. mean_height: mean of
         the profile above its lowest place. compression: mean displacement for a unit of mean

@@ -119,8 +119,9 @@ def by_nominal_pressure(problem: Problem, zones: sie.Zones, tolerance: float) ->
 class ZoneFields(NoPlateaus, sie.Kept):
     """Fields of a contact whose unknown is the pressure on its zones.
 
-    Arrays of places are scaled inside and in metres in the members of `Fields`. Pickles and copies
-    leave out `state` with its matrices; members that depend on `state` are computed before.
+    The members of the protocol `Fields` take places in metres, all others take scaled places.
+    Pickles and copies leave out `state` with its matrices; members that depend on `state` are
+    computed before.
     """
 
     problem: Problem
@@ -509,7 +510,8 @@ class ZoneFields(NoPlateaus, sie.Kept):
     def rates(self, x: Array, tolerance: float = OPTIONS.guess_tolerance) -> tuple[Array, Array]:
         """Scaled derivatives by ln(load): of the zones' ends, outward (n, 2), and of the gap at x.
 
-        tolerance: of the response, if an iteration finds it; the default serves a first guess.
+        tolerance: tolerance of the iteration for the response to the load, if one is needed. The
+        default is sufficient for a first guess.
         """
         response = self.state.response(self.state.values(), tolerance)
         zones, load = self.density.zones, self.density.total
@@ -523,7 +525,7 @@ class ZoneFields(NoPlateaus, sie.Kept):
     def pressure_rates(self, x: Array, tolerance: float) -> Array:
         """Derivatives by ln(load) of the scaled pressure at scaled places in contact.
 
-        tolerance: of the response, if an iteration finds it.
+        tolerance: tolerance of the iteration for the response to the load, if one is needed.
         """
         response = self.state.response(self.state.values(), tolerance)
         return np.asarray(response(x) * self.density.total)

@@ -196,7 +196,7 @@ class FullFields(NoZones):
 class ApartFields(NoZones):
     """Fields of surfaces that do not touch, at an approach [m] that is zero or negative.
 
-    The approach is None where none is given: then the distance is unknown, and the gap is infinite.
+    The approach is None if it is not given: then the distance is unknown, and the gap is infinite.
     """
 
     problem: Problem

@@ -159,7 +159,8 @@ class GapFields(NoPlateaus, sie.Kept):
     def rates(self, x: Array, tolerance: float = OPTIONS.guess_tolerance) -> tuple[Array, Array]:
         """Scaled derivatives by ln(load): of the zones' ends, outward (n, 2), and of the gap at x.
 
-        tolerance: of the response, if an iteration finds it; the default serves a first guess.
+        tolerance: tolerance of the iteration for the response to the load, if one is needed. The
+        default is sufficient for a first guess.
         """
         response = self.state.response(self.state.values(), tolerance)
         return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(
@@ -169,7 +170,7 @@ class GapFields(NoPlateaus, sie.Kept):
     def pressure_rates(self, x: Array, tolerance: float) -> Array:
         """Derivatives by ln(load) of the scaled pressure at scaled places in contact.
 
-        tolerance: of the response, if an iteration finds it.
+        tolerance: tolerance of the iteration for the response to the load, if one is needed.
         """
         response = self.state.response(self.state.values(), tolerance)
         return np.asarray(self.mean * (1.0 + self._by_gaps(response.whole.transform(x))))

@@ -18,8 +18,8 @@ On the gaps of a periodic contact the slope s of the gap obeys
     T s - kappa s = (1 + kappa^2) (R - mean p),    R = (H f' - kappa f') / (1 + kappa^2),
 
 and the pressure of the zones is p = mean p - R + T s / (1 + kappa^2). H is the Hilbert transform.
-On the whole period, H p + kappa (p - mean p) = f' - s. Both equations follow if the operator
-kappa - H is applied to this one.
+On the whole period, H p + kappa (p - mean p) = f' - s. Apply the operator kappa - H to this
+equation: both equations for the gaps follow.
 """
 
 from collections.abc import Callable

@@ -1,9 +1,10 @@
 """`Pieces`: a periodic, piecewise quadratic function of mean zero with given jumps.
 
-It is subtracted from a slope so that the rest is smooth. The second derivative is constant between
-places s_i and jumps by J2; the slope jumps by J1 and the value by J0. All follow by summation from
-place to place, up to constants that make the value and the slope periodic. A second derivative is
-periodic only if its jumps add up to 0.
+This function is subtracted from the slope of a profile so that the rest is smooth. Its second
+derivative is constant between the places s_i of the jumps, and jumps there by J2. Its first
+derivative jumps by J1 and its value by J0. All three follow by summation from place to place, up to
+constants that make the value and the first derivative periodic. A second derivative is periodic
+only if its jumps add up to 0.
 """
 
 from functools import cached_property
@@ -16,7 +17,7 @@ from sie import Array, Complex, record
 
 @record
 class Pieces(sie.Kept):
-    """A periodic function that is a quadratic polynomial between the places of its jumps.
+    """A periodic function that is a quadratic polynomial between neighbouring jumps.
 
     It is p_0 + p_1 (x - s_i) + p_2 (x - s_i)^2 between the places s_i and s_i+1.
 
@@ -83,8 +84,8 @@ class Pieces(sie.Kept):
     def continued(self, t: Array, y: Array) -> tuple[Complex, Complex]:
         """The Hilbert transform of this function and its derivative, continued to points y >= 0.
 
-        t: distances from the start of the period, moved to lie between the first place and the one
-        a period later.
+        t: distances from the start of the period, moved to lie between the first place and the same
+        place one period later.
         """
         return self._transform.in_plane(t + 1j * y)
 

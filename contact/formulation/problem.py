@@ -106,14 +106,14 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled ends of the profile or of a localized model's strip; infinite without ends."""
+        """Scaled sharp corners of the profile, or borders of a single strip; infinite if none."""
         lo, hi = -np.inf, np.inf
         if self.profile.support is not None:
             lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
         return (max(lo, self.cut[0]), min(hi, self.cut[1])) if self.reference else (lo, hi)
 
     def position(self, place: float) -> float:
-        """A scaled place in metres, moved into the profile's cell; 0 within round-off."""
+        """Position [m] of a scaled place, moved into the profile's cell; 0 if it rounds to 0."""
         x = float(self.profile.wrap(self.units.x(np.array(place))))
         return x if abs(x) > ROUND_OFF * self.units.length else 0.0
 
@@ -152,7 +152,8 @@ class Problem(sie.Kept):
     @cached_property
     def forcing(self) -> sie.Forcing:
         units, profile = self.units, self.profile
-        # A kink whose slope does not jump has no logarithm: 0 times infinity is no number.
+        # Kinks without a jump are left out: their logarithm would be 0 times infinity, which is no
+        # number.
         kinks, jumps = profile.kinks[profile.kinks[:, 1] != 0.0], profile.jumps
         at = np.asarray(units.scaled(np.concatenate((kinks[:, 0], jumps[:, 0]))))
         # A jump of the n-th derivative of the profile is a jump of the (n - 1)-th derivative of the

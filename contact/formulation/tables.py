@@ -50,7 +50,7 @@ def located(table: Array, x: Array) -> tuple[Index, Mask]:
 def gaps_between(table: Array, period: float | None) -> Array:
     """The gap between each interval and the next one to the right (n, 2).
 
-    The last one crosses the border of the period, or is infinite without a period.
+    The last gap crosses the border of the period, or is infinite without a period.
     """
     return np.column_stack(
         (table[:, 1], np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period))

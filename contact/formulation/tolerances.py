@@ -111,10 +111,10 @@ def allowed_overlap(
 ) -> float:
     """Largest overlap (negative gap) that counts as round-off; all lengths in the same unit.
 
-    Every route passes the sizes that its gap has. heights: largest term of a gap that is a sum of
-    heights. noise: of these heights. series: largest term of a gap that is the integral of a
-    series. on_zones: gap computed on the zones. reach: of a tension between surfaces that do not
-    touch.
+    A method of solution passes the sizes that exist for its gap. heights: largest term of a gap
+    that is a sum of heights. noise: noise of these heights. series: largest term of a gap that is
+    the integral of a series. on_zones: gap computed on the zones. reach: largest gap at which a
+    tension acts between surfaces that do not touch.
     """
     return (
         TOLERANCES.height_rounding * heights

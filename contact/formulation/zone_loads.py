@@ -3,12 +3,14 @@ r"""Loads of the zones of a nearly full contact with the pressure p = pbar - R +
 Here pbar is the mean pressure, R the relief and s the slope of the gap (contact.formulation.gaps).
 The load of a zone [a, b] is pbar (b - a) - int R + V(b) - V(a). V is the potential of s, V' = G s,
 in closed form; it contains the effect of the gaps and the square roots of the pressure at the ends.
-R does not depend on the gaps. Its logarithms at kinks have the integral
+R does not depend on the gaps. At a kink x_k, where f' jumps by J, R has a logarithm with the
+integral
 
-    (J / pi) int ln|2 sin(pi (x - s)/L)| dx = -(J L / 2 pi^2) Cl_2(2 pi (x - s)/L).
+    (J / pi) int ln|2 sin(pi (x - x_k)/L)| dx = -(J L / 2 pi^2) Cl_2(2 pi (x - x_k)/L),
 
-The rest of R is as smooth as f' between breakpoints. At the distance y from a breakpoint it may
-vary as y^q ln|y|, q >= 1. Gauss panels whose nodes crowd at both ends integrate it to rounding.
+with the period L and Clausen's function Cl_2. The rest of R is as smooth as f' between breakpoints.
+At the distance y from a breakpoint it may vary as y^q ln|y|, q >= 1. Gauss panels whose nodes crowd
+at both ends integrate it to rounding.
 
 The rounding error of a load is about 1e-16 times the sum of two numbers: the mean pressure times
 the zone's width, and the potential V. The potential is as large as the height of the gaps. So a
