@@ -195,8 +195,8 @@ def most_own(zones: Zones) -> int:
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Number m of modes of each zone (Z,) that enter the linear system for all zones.
 
-    Unless `max_modes` limits m, rho^m is below the tolerance, with rho of the nearest end of another
-    zone (see `decay`).
+    Unless `max_modes` limits m, rho^m is below the tolerance, with rho of the nearest end of
+    another zone (see `decay`).
     """
     by = decay(zones, kernel)
     want = np.minimum(-np.log(tolerance) / np.maximum(by, 1e-3), OPTIONS.max_modes)
