@@ -14,8 +14,8 @@ class SearchOptions:
     # Relative error of solutions under trial loads. They serve to find the load that gives a wanted
     # approach or contact fraction.
     intermediate: float = 1e-6
-    # Factor by which a tolerance is reduced if the allowed error is magnified in the result. Errors
-    # are magnified for gaps next to wide zones, and in differences of two solutions.
+    # Factor of a tolerance where errors grow on the way to the result: for gaps next to wide zones,
+    # and in differences of two solutions.
     tight_factor: float = 1e-2
     # Allowed error on grids that just resolve the contact. An error of the contact width is
     # relative to the smaller of contact width and gap width. An error of the load's centre is
@@ -24,9 +24,9 @@ class SearchOptions:
     # Allowed error of the contact width on a fine grid, in units of the mean zone width.
     missing_zones: float = 0.3
     least_error: float = 1e-13  # the smallest stated error that may be asked for
-    # Starting width of a zone or gap that the solution may not have. It is divided by the former
-    # width of this interval or, for a new zone, by the width of the overlap of the bodies. Newton's
-    # method decides whether the interval stays.
+    # First guess for the width of a zone or gap that may be absent from the solution. It is
+    # relative to the former width of this interval or, for a new zone, to the width of the overlap
+    # of the bodies. Newton's method decides whether the interval stays.
     doubtful_part: float = 0.1
     # A load, divided by E* and a length of the scene, at which the contact is far narrower than
     # that length.

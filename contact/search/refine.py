@@ -24,8 +24,9 @@ Search = Callable[[SolveContext], Outcome]
 def refined(context: SolveContext, found: Outcome, search: Search | None = None) -> Outcome:
     """The contact with the wanted error, or else the contact with the smallest error.
 
-    search: the whole search, for a context with a smaller tolerance or without a warm start. None:
-    only the contact that was followed along a path is wanted, and no other search is made.
+    search: function that searches for a contact from the beginning; it is called with a smaller
+    tolerance, or without the warm start. None: no such search, as only the contact followed along a
+    path is wanted.
     """
     search = search or _no_search
     outcome = _refined_once(context, found, search)
@@ -69,8 +70,8 @@ def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outc
 def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedGaps:
     """The solution `found` by gaps, or the same contact solved by zones if that is more precise.
 
-    The zones are not tried where the error comes from the approach. Near full contact the approach
-    is a difference of large numbers in both formulations.
+    The zones are not tried if the error comes from the approach (`control_error`). Near full
+    contact the approach is a difference of large numbers in both formulations.
     """
     if replace(found, control_error=0.0).error <= context.tol:
         return found

@@ -1,9 +1,10 @@
 """Bracketed Newton method for the tilt at which a load has a given centre, moment / load.
 
 Under a given load the moment grows with the tilt, as the energy is convex. So a tilt with too small
-a moment and a tilt with too large a moment bracket the root. Newton's steps, with the contact
-fixed, converge fast; a step that leaves the bracket, or does not halve the error, is replaced by
-the middle of the bracket. A tilt at which the body has no equilibrium also bounds the root.
+a moment and a tilt with too large a moment bracket the root. Newton's steps, computed as if the
+zones of contact were fixed, converge fast; a step that leaves the bracket, or does not halve the
+error, is replaced by the middle of the bracket. A tilt at which the body has no equilibrium also
+bounds the root.
 """
 
 import math
@@ -21,8 +22,8 @@ from sie import record
 class AtTilt:
     """A contact on a grid at one tilt.
 
-    centre: centre of the load [m]. rate: d centre / d tilt [m]. fineness: distance to the wanted
-    centre that counts as reached [m]. window: window of the grid [m].
+    centre: centre of the load [m]. rate: d centre / d tilt [m]. fineness: the wanted centre counts
+    as reached within this distance [m]. window: window of the grid [m].
     """
 
     tilt: float
@@ -53,7 +54,7 @@ class AtTilt:
 def balanced(
     measure: Callable[[float], AtTilt], centre: float, tilts: Sequence[float], most: int
 ) -> AtTilt:
-    """The contact with its load centred at `centre`, or the nearest of at most `most` trials.
+    """The contact with its load centred at `centre`, or the nearest one found in `most` trials.
 
     tilts: tilts to try first. Raises the error of `measure` if `measure` fails at all of `tilts`.
     """

@@ -34,8 +34,8 @@ from sie import Array
 class ContinuationOptions:
     """Limits beyond which extrapolated zones are not tried as a first guess.
 
-    With `max_changes` from 2 to 8, curves of 5 to 80 values take the same time. Without this limit
-    curves of many zones take a tenth longer.
+    With `max_changes` from 2 to 8, load curves of 5 to 80 values take the same time. Without this
+    limit, load curves of contacts with many zones take a tenth longer.
     """
 
     # Largest ratio of successive loads or widths. Above this ratio, the units of length and slope
@@ -91,7 +91,8 @@ def _decide(context: SolveContext, way: str, changes: int) -> None:
 def _is_followed(context: SolveContext) -> bool:
     """Whether zones can be extrapolated: the scaled problem is constant, equilibrium is unique.
 
-    The scaled problem of a localized model's strip, or of an unknown tilt, changes with the value.
+    In a localized model, or with an unknown tilt, the scaled problem changes with the control's
+    value.
     """
     scene = context.scene
     changes = scene.turned or scene.interaction.strip or scene.interaction.follows_isolated

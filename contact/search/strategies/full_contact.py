@@ -1,4 +1,4 @@
-"""Full contact: the load at which it begins, and checks of controls that ask for it or for more."""
+"""Full contact: the pressure at which it begins, and checks whether a control leads to it."""
 
 import math
 
@@ -45,9 +45,9 @@ def no_inverse(context: SolveContext, what: str) -> str:
 def full_under(context: SolveContext, control: Control, but_for_kinks: bool = False) -> Full | None:
     """Full contact if the given load or approach is large enough for full contact, else None.
 
-    The control is large enough if its mean pressure is at least that at which full contact begins.
-    but_for_kinks: gaps over kinks of valleys count as closed if they are too narrow for double
-    precision.
+    With closed surfaces, the load or approach would cause a certain mean pressure. Contact is full
+    if this pressure is at least the one at which full contact begins. but_for_kinks: gaps over
+    kinks of valleys count as closed if they are too narrow for double precision.
     """
     limit = context.full
     if not (limit.is_known if but_for_kinks else limit.possible):
@@ -125,7 +125,7 @@ def refuse_full_approach(context: SolveContext, problem: Problem, control: Contr
 
 
 def _refuse_wide_punch(context: SolveContext, approach: float) -> None:
-    """Raise OutOfRange for a flat punch too wide for the datum of its approach.
+    """Raise OutOfRange for the approach of a flat punch that is too wide for the datum.
 
     A punch 4 datums wide has the approach zero under any load: its logarithmic capacity, a quarter
     of the width, equals the datum.

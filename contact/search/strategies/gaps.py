@@ -1,4 +1,4 @@
-"""Nearly full contact with the gaps as the unknown; this needs an inverse of the operator."""
+"""Nearly full contact with the gaps as the unknown; the elastic operator must have an inverse."""
 
 import math
 from dataclasses import dataclass
@@ -35,8 +35,8 @@ class GapOptions:
 
 OPTIONS = GapOptions()
 
-# The plan states why zones or gaps are the unknowns. The reason begins with these words if they
-# were the unknowns of a similar solution.
+# The plan states why zones or gaps are the unknowns. The reason begins with these words if a
+# similar solution had the same unknowns.
 _AS_BEFORE = "they served under a similar load: "
 
 
@@ -214,7 +214,7 @@ def gaps_from_fields(
 def tightened_gaps(context: SolveContext, found: SolvedGaps, retry: bool = False) -> SolvedGaps:
     """The same gaps, solved more precisely if the stated error exceeds the wanted error.
 
-    retry: try this also where rounding kept the ends from reaching the last tolerance.
+    retry: solve again even if rounding kept the ends from reaching the last tolerance.
     """
 
     def again(here: SolvedGaps, tolerance: float) -> SolvedGaps | Failure:

@@ -53,16 +53,16 @@ Guess = Callable[[SolveContext, ScaledScene, Array | None], Outcome | Failure]
 class GuessOptions:
     """Refinement of grids, and limits beyond which a first guess is useless."""
 
-    refinement: int = 4  # factor from one grid's points to the next: a cell is halved twice
+    refinement: int = 4  # ratio of the numbers of points of successive grids
     # Full contact is tested only if the guessed zones fill more than this fraction of the period,
     # as the test takes time.
     maybe_full: float = 0.4
     # Smallest accepted gap between a zone and the border of a localized model's strip. It is
-    # divided by the narrowest such gap for which `single_branch` has a solution. The modes of the
-    # pressure do not resolve narrower gaps.
+    # relative to the narrowest such gap in the table of `single_branch`. The modes of the pressure
+    # do not resolve narrower gaps.
     narrowest_border_gap: float = 0.1
-    # Contact is almost full if it is wider than this fraction of the largest possible width. A zone
-    # as wide as that, from the closed form, is useless as a first guess. If the search fails at
+    # Contact is almost full if it is wider than this fraction of the largest possible width. If the
+    # closed form gives a wider zone, this zone is useless as a first guess. If the search fails at
     # such a width, the error message names narrow gaps as a possible reason.
     almost_full: float = 0.99
 
@@ -167,8 +167,8 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
             return full
     has_branch = control.load is not None or control.approach is not None
     # In a localized model with neighbours, contact never becomes full. A guess almost as wide as
-    # the strip is useless, unless the corners of a punch limit it. A better guess is found along
-    # the branch of contacts from zero load.
+    # the strip is useless, unless the corners of a punch limit the width. A better guess is found
+    # along the branch of contacts from zero load.
     needs_branch = bool(
         has_branch
         and problem.interaction.neighbours
@@ -194,9 +194,9 @@ def _one_zone(context: SolveContext, scaled: ScaledScene, start: Array | None) -
 def _half_width_on_branch(context: SolveContext, problem: Problem, control: Control) -> float:
     """Approximate half width of one zone, found along the branch of contacts from zero load.
 
-    The controlled quantity grows with the width up to a maximum; OutOfRange is raised beyond it. In
-    a strip with neighbours there is no maximum: near the border of the strip the quantity is linear
-    in the logarithm of the gap between zone and border.
+    The controlled quantity grows with the width up to a maximum; a larger value raises OutOfRange.
+    In a strip with neighbours there is no maximum: near the border of the strip the quantity is
+    linear in the logarithm of the gap between zone and border.
     """
     with context.plan.timed("zone ends"):
         half_widths, values = single_branch(problem, control)
@@ -305,7 +305,8 @@ class _GridSearch:
         part = context.plan["coarse search"]
         with context.plan.timed("coarse search"):
             proposal = proposed(scaled, control, points)
-            # The pressure at very many points takes much memory and is not needed any more.
+            # `grid` has the pressure at very many points. It takes much memory and is not needed
+            # any more.
             proposal = replace(proposal, grid=None)
         part.detail = f"{proposal.points} points, {counted(len(proposal.zones), 'zone')} proposed"
         return proposal

@@ -45,8 +45,9 @@ from sie import Array
 class LoadControlOptions:
     """Limits up to which the zones of a similar solution are a better start than a grid."""
 
-    # Largest change of the contact width, relative to the contact width or the gap width, whichever
-    # is smaller. After a larger change, a grid is as good a start for Newton's method.
+    # Largest difference of contact width between the similar and the wanted solution, relative to
+    # the contact width or the gap width, whichever is smaller. If the difference is larger, a grid
+    # is as good a start for Newton's method.
     max_change: float = 0.2
 
 
@@ -54,7 +55,7 @@ OPTIONS = LoadControlOptions()
 
 
 def at_approach(context: SolveContext, nearness: float) -> Solution:
-    """A solution under a load that gives the wanted approach, to the relative error `nearness`.
+    """A solution under the load of the wanted approach; `nearness` is the load's relative error.
 
     Raises OutOfRange if no load has that approach.
     """
@@ -85,7 +86,7 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
 
 
 def at_level(context: SolveContext) -> SolvedZones:
-    """A lone body's contact at an approach, from the zones under a load of about this approach."""
+    """Contact of an isolated body at an approach, from zones at a load of about this approach."""
     failure, problem = Failure("no load was tried"), None
     for nearness in (SEARCH.rough, SEARCH.intermediate):
         context = context.with_warm_start(at_approach(context, nearness))
@@ -167,7 +168,8 @@ def _by_first_guess(
     context: SolveContext, scaled: ScaledScene, goal: float
 ) -> SolvedZones | SolvedGaps | float:
     """The contact with contact fraction `goal`, from a first guess of the zones or gaps.
-    If the search fails, the load [N/m] at which a grid contact has about this fraction.
+    If the search fails, the result is the load [N/m] at which a grid contact has about this
+    fraction.
     """
     problem, control = scaled.problem, scaled.control
     # Close to full contact, grids do not resolve the narrow gaps that remain. The gaps are guessed
@@ -203,7 +205,7 @@ def _from_grid(
     if found_by_gaps is not None:
         return found_by_gaps
     # All zone widths are multiplied by one factor, so that their sum is the wanted width. Without
-    # this, Newton's first step would be too long for the short kernel of a thin layer.
+    # this, Newton's first step would be too long on a thin layer, whose kernel is short.
     half = np.diff(table) / 2
     table = table + half * [-1.0, 1.0] * (control.value / (2 * half.sum()) - 1.0)
     return _refined(context, problem, control, table, proposal.load / problem.units.load)

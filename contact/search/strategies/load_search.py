@@ -7,9 +7,9 @@ fitted to the last two rates: about -2 for the approach of a tilted body, 1 for 
 The approach of an upright body is concave in the load and stays below its tangents, which soon show
 that no load has the wanted approach.
 
-The load for a user-defined control is found with the same bracket. A second solution under a
-slightly smaller load gives the rates of the quantity, of the zones and of the pressure. From these
-the error that comes from the load is estimated.
+The load for a user-defined control is found by the same method. A second solution under a slightly
+smaller load gives the rates of the quantity, of the zones and of the pressure. From these the error
+that comes from the load is estimated.
 """
 
 import math
@@ -53,7 +53,7 @@ class KnownLoads:
 def approach(solution: Solution) -> tuple[float, float]:
     """The approach [m] of a solution, and the derivative of the approach by the load.
 
-    With a datum in the logarithm the rate may be negative.
+    If the displacement contains the logarithm of distance / datum, this derivative may be negative.
     """
     assert solution.approach is not None and solution.stiffness is not None
     return solution.approach, 1 / solution.stiffness
@@ -179,8 +179,8 @@ class _Bracket:
 def _newton(load: float, rate: float, miss: float, before: tuple[float, float] | None) -> float:
     """Newton's next load for a quantity A + B load^`power`; nan if there is none.
 
-    rate: the rate at this load. before: another load and its rate; both rates give `power`, limited
-    to -4 to 1.
+    rate: the rate at this load. before: another load and its rate; both rates give `power`, which
+    is limited to values from -4 to 1.
     """
     power = 1.0
     if before is not None and before[0] != load and before[1] * rate > 0.0:
@@ -205,12 +205,12 @@ def by_quantity(
 ) -> Solution:
     """The contact at which a user-defined quantity has a given value.
 
-    solve: a function of a scene, its tolerance and a start, which returns the solution.
+    solve: function that returns the solution of a scene to a tolerance, from a similar solution.
     """
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
     tolerance = max(SEARCH.tight_factor * tol, SEARCH.least_error)
     told = AuthorMethod(f"{control.name}.of(solution)", "control")
-    pairs: dict[float, Solution] = {}  # the solution under a slightly smaller load
+    pairs: dict[float, Solution] = {}  # for each load, the solution under a slightly smaller one
 
     def under(load: float, start: Solution | None) -> Solution:
         here = solve(scene.under("load", load), tolerance, start or warm_start)

@@ -33,11 +33,11 @@ class Change:
 
     @property
     def ahead(self) -> bool:
-        """Whether the change is located with the zones that exist before it, not after.
+        """Whether the change is located with the zones before it; if not, with the zones after it.
 
-        These are always the fewer zones: without the one that begins or vanishes, or with one in
-        place of the two that meet or part. With them the condition of the change is a smooth
-        function.
+        The side with fewer zones is used: without the zone that begins or vanishes, or with one
+        zone in place of the two that meet or part. With these zones, the gap or pressure that
+        becomes zero is a smooth function of the control.
         """
         return self.kind in ("birth", "split")
 

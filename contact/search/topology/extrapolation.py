@@ -88,7 +88,7 @@ class CurvePoint(sie.Kept):
     @cached_property
     def gap_motion(self) -> Motion:
         """Middles and squared half widths of the gaps, with derivatives by ln(load or width).
-        Each gap is that to the right of a zone. The last gap crosses the border of the period.
+        Each gap lies to the right of a zone. The last gap crosses the border of the period.
         """
         left, right = self.rates[0].T
         return Motion.of(gaps_between(self.zones, self.problem.period), right, -np.roll(left, -1))
@@ -153,8 +153,8 @@ def _alike(previous: tuple[CurvePoint, ...]) -> list[CurvePoint]:
 def _extrapolate(known: list[Motion], away: list[float], period: float | None) -> Array:
     """Extrapolated middles and squared half widths (2, n) of the newest intervals, `known[0]`.
 
-    away: distance of each point from the wanted value, in the logarithm. Each interval is
-    extrapolated from all successive points that have it.
+    away: ln(load or width) of each point, minus its wanted value. Each interval is extrapolated
+    from all successive points that have it.
     """
     first = known[0]
     out = first.values - away[0] * first.rates
@@ -221,9 +221,10 @@ def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, 
 
 
 def _joined(last: CurvePoint, zones: Array, gaps: Array) -> tuple[Array, int]:
-    """Zones from extrapolated zones and gaps (2, n), and the number of intervals that vanish.
+    """Zones (n, 2), and the number of zones and gaps that vanish.
 
-    Each end is taken from the narrower of the two intervals that it bounds.
+    zones, gaps: extrapolated middles and squared half widths (2, n). Each end is taken from the
+    narrower of the two intervals that it bounds.
     """
     period = last.problem.period
     width, gap = (motion.values[1] for motion in (last.zone_motion, last.gap_motion))
@@ -237,7 +238,7 @@ def _joined(last: CurvePoint, zones: Array, gaps: Array) -> tuple[Array, int]:
         if by_gaps
         else (np.sqrt(np.maximum(gaps[1], 0.0)), gaps[1] <= 0.0)
     )
-    with np.errstate(invalid="ignore"):  # of an infinite gap
+    with np.errstate(invalid="ignore"):  # a gap may be infinite
         left = np.where(width <= before, zones[0] - half, np.roll(gaps[0] + half_gap, 1))
         right = np.where(width <= gap, zones[0] + half, gaps[0] - half_gap)
     if period is not None and width[0] > before[0]:

@@ -1,4 +1,4 @@
-"""The formulation by gaps: the gap is positive inside them, the pressure positive outside."""
+"""The formulation by gaps: the gap is positive inside gaps, the pressure is positive outside."""
 
 from __future__ import annotations
 
@@ -104,8 +104,8 @@ class GapForm:
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
             equation = self.equation(Load(mean * self.problem.repeat_length))
-            # `solve_fixed` treats no narrow interval as a slit of a wider zone, which `solve_zones`
-            # may do. Equations with kappa never have slits.
+            # `solve_zones` may treat a narrow interval as a slit of a wider zone; `solve_fixed`
+            # never does. Equations with kappa never have slits.
             solve = sie.solve_zones if self.problem.kappa else sie.solve_fixed
             zones = free.density.zones
             state = solve(equation, zones, max(0.1 * tolerance, 3e-16)).with_bounded_ends()
@@ -141,8 +141,8 @@ class GapForm:
 def _rounding_of_mean(control: Control, fields: GapFields) -> float:
     """Rounding error of the mean pressure if the approach is given, else 0.
 
-    The approach is a difference of numbers of the size of the profile, and hardly changes near full
-    contact.
+    The approach is a difference of numbers as large as the profile's heights, and hardly changes
+    near full contact.
     """
     if control.approach is None:
         return 0.0

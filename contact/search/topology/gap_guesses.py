@@ -47,7 +47,8 @@ class GapGuesses:
         """First guesses (n, 2) of the gaps under a mean pressure.
 
         They are the runs of samples at which the relief R exceeds the mean pressure, and single
-        gaps over kinks. Each run is widened like a single gap where R is a parabola.
+        gaps over kinks. Each run is widened by the factor sqrt(2), which is exact for a single gap
+        if R is a parabola.
         """
         valleys = self._over_kinks(mean)
         above = self.value > mean
@@ -105,8 +106,8 @@ class GapGuesses:
         return np.array([[place - half, place + half]])
 
     def _placed(self, seen: Array, mean: float) -> Array:
-        """The gaps `seen`; gaps of less than `NARROW` samples are guessed anew.
-        The new guess lies about a maximum of the relief R.
+        """The gaps `seen` on samples; a gap narrower than `NARROW` samples is replaced.
+        Its replacement lies about the nearby maximum of the relief R.
         """
         out = []
         for row in seen:
@@ -145,7 +146,7 @@ class GapGuesses:
 
     @cached_property
     def _valleys(self) -> tuple[Index, Array]:
-        """Indices of the kinks in valleys, and the relief R there without each kink's logarithm."""
+        """Indices of the kinks in valleys; the relief R at each one without its own logarithm."""
         kinks = np.flatnonzero(self.relief.heights < 0)
         return kinks, self.relief.without_own(kinks)
 

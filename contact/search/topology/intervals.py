@@ -1,4 +1,4 @@
-"""Operations on intervals, be they zones or gaps: cutting parts out, merging, uniting."""
+"""Operations on intervals, which are zones or gaps: cutting parts out, merging, uniting."""
 
 import numpy as np
 
@@ -12,10 +12,11 @@ NEW_ZONE = 0.7
 
 
 def half_width_of_new(overlap: Array, distance: Array) -> Array:
-    """Half widths of new zones where the bodies would overlap over 2 `overlap` without them.
+    """Half widths of new zones in intervals where the bodies would overlap without these zones.
 
-    The gap is a parabola of curvature 1/R and depth overlap^2 / 2R. A Hertz contact of half width
-    a, between two zones at the given distance l, removes the depth a^2 / 2R (ln(4 l / a) + 1/2).
+    overlap: half widths of these intervals. The gap is a parabola of curvature 1/R and depth
+    overlap^2 / 2R. A Hertz contact of half width a, between two zones at the given distance l,
+    removes the depth a^2 / 2R (ln(4 l / a) + 1/2).
     """
     half = 0.5 * overlap
     for _ in range(3):  # the logarithm hardly depends on `half`

@@ -3,9 +3,9 @@
 The intervals are the zones, with the pressure as the unknown, or the gaps, with the slope of the
 gap; a `Formulation` holds what differs between the two. The frictionless problem is convex: if
 pressure and gap have the right sign on the whole line, the intervals are the solution. Otherwise
-their number is wrong. Parts of an interval with a wrong sign are cut out. Outside the intervals, a
-new interval begins where the sign is wrong. Intervals that vanish are dropped, and those that meet
-are merged.
+their number is wrong. Parts of an interval on which the sign is wrong are cut out. Outside the
+intervals, a new interval begins where the sign is wrong. Intervals that vanish are dropped, and
+those that meet are merged.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class NewtonSettings:
     rounds of the loop. abandon_if_far: give up as soon as the intervals turn out to be far from the
     solution. Unless `allow_loss` is set, also give up if the number of intervals is wrong.
     initial_error: error of the given ends, divided by the widths of their intervals; 1 if unknown.
-    modes_like: a solution on about the same intervals, whose numbers of modes are the first ones.
+    modes_like: a solution on about the same intervals, whose numbers of modes are tried first.
     unresolved_fraction: the fraction of all ends that may stay unconverged, after `patience` steps.
     allow_loss: intervals may vanish or merge. decay: the last coefficients of the series must be
     this small relative to the largest; None: chosen from the tolerance.
@@ -358,7 +358,8 @@ class _Loop(Generic[Kind]):
         """
         free, newton = here.free, self.newton
         failures = (here.certificate.negative, here.certificate.overlaps)
-        # The loose tolerance replaces the truncation of the series, which would take a solve.
+        # The loose tolerance stands for the truncation error of the series, which would take a
+        # solve.
         negative, overlaps = (
             bad[~_are_next_to_ends(free, newton.tolerance, bad)] for bad in failures
         )
@@ -366,8 +367,8 @@ class _Loop(Generic[Kind]):
         zones = free.next_zones
         self.newton = replace(newton, tolerance=self.wanted, unresolved_fraction=0.0)
         if not corrections:
-            # The next Newton steps solve the linear systems as precisely as the last move of the
-            # ends asks for. Looser solutions would move the ends away again.
+            # The precision of the linear systems in the next Newton steps follows from the last
+            # move of the ends. Less precise solutions would move the ends away again.
             last = min(free.trace[-1].move, 1.0) if free.trace else 1.0
             self.newton = replace(self.newton, initial_error=last)
             return zones.table
@@ -409,8 +410,8 @@ class _Loop(Generic[Kind]):
 def end_errors(free: sie.Free, truncation: Array | float) -> Array:
     """Bounds (n, 2) of the errors of the ends of n intervals, enlarged by a safety factor.
 
-    Signs closer to an end than this are not checked. truncation: error of each end (n, 2) that
-    truncated series cause, relative to the width of its interval.
+    Signs are not checked at places closer to an end than its bound. truncation: error of each end
+    (n, 2) that truncated series cause, relative to the width of its interval.
     """
     zones = free.density.zones
     relative = free.end_error + truncation

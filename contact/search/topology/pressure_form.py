@@ -1,4 +1,4 @@
-"""The formulation by zones: pressure is positive inside them, the gap is positive outside."""
+"""The formulation by zones: the pressure is positive inside zones, the gap is positive outside."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class PressureForm:
         """The proposed zones, ordered so that the period begins in a wide gap.
 
         The equation makes the levels (displacement plus height) of successive zones equal, so that
-        rounding errors add up towards the border of the period. All of them would disturb a narrow
+        rounding errors add up towards the border of the period. Their sum would disturb a narrow
         zone at the border.
         """
         problem = self.problem
@@ -206,7 +206,8 @@ class PressureForm:
 def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
     """The zones `table` with the kind of each end: free, fixed, or pinned at a sharp corner.
 
-    Ends are pinned at sharp corners, and where the half width is given; others are as the law says.
+    Ends are pinned at sharp corners, and fixed if the half width is given; other ends have the kind
+    that the law prescribes.
     """
     count = len(table)
     end = problem.end if control.half_width is None else problem.held_end
