@@ -1,1 +1,1 @@
-"""Friction of contacts that stick in part: solutions come in, shear, stick and slip go out."""
+"""Partial slip and rolling: shear, stick zones and slip zones of contacts with friction."""

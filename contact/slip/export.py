@@ -1,4 +1,4 @@
-"""Slips as data: dictionaries, JSON, CSV tables of intervals and fields, and netCDF.
+"""A `Slip` as data: dictionaries, JSON, CSV tables of intervals and fields, and netCDF.
 
 All values are in SI units. The form is that of `contact.solution.export`.
 """

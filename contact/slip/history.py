@@ -1,4 +1,4 @@
-"""Histories of a load and a tangential load."""
+"""Histories of the normal load and the tangential load."""
 
 from collections.abc import Sequence
 

@@ -58,7 +58,7 @@ class SlipStep(NamedTuple):
 @dataclass(frozen=True)
 class Segment:
     """A straight segment of the loading history.
-    It has the state at its end, and what slipped on the way.
+    It stores the state at its end, and the steps of slip on the way.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class Segment:
     stick : float
         Load whose zones stick at the end [N/m].
     steps : tuple of SlipStep
-        What slipped in the segment, in order.
+        The steps of slip in the segment, in order.
     """
 
     layers: tuple[Layer, ...]

@@ -125,7 +125,7 @@ class State:
     friction, tangential_load : float
         As in `Slip`.
     segment : Segment
-        The function h, what sticks, and what slipped.
+        The function h of the load, the load whose zones stick, and the steps of slip.
     bulk_stress : float
         As in `Slip`.
     """

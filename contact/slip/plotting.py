@@ -1,6 +1,7 @@
-"""Figure of a slip: shear between plus and minus friction times pressure; what sticks is shaded.
+"""Figure of a `Slip`: shear between plus and minus friction times pressure, shaded stick zones.
 
-If there are many zones, or very narrow ones, a second panel shows those near the largest pressure.
+If there are many zones, or very narrow ones, a second panel shows the zones near the largest
+pressure.
 """
 
 from typing import Any

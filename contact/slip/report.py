@@ -1,4 +1,4 @@
-"""A slip as text: its numbers with units and stated errors, and what sticks and slips."""
+"""A `Slip` as text: its numbers with units and stated errors, and its stick and slip zones."""
 
 import textwrap
 from collections.abc import Iterator

@@ -71,15 +71,15 @@ class Slip(sie.Kept):
     slip_zones : ndarray
         Intervals of the contact that slip [m], (k, 2), in the same form.
     shift : float or None
-        Tangential displacement of body 2 along +x against body 1, far from the contact [m]. It
-        counts from the same place as the approach; None where there is no approach, and in
-        rolling. Its error is at most `shift_error`.
+        Tangential displacement of body 2 along +x against body 1, far from the contact [m]. It is
+        measured at the same place as the approach; None without an approach, and in rolling. Its
+        error is at most `shift_error`.
     error : float
-        Stated bound of two relative errors: (i) the sum, over `terms`, of the errors of pressures
-        at equal normalised positions in corresponding zones, times their factors, divided by
-        friction times the largest pressure (the mean contact pressure where the peak is infinite);
-        (ii) the error of each end of a zone that sticks, divided by the width of the zone of
-        contact around it.
+        Stated bound of two relative errors. (i) The sum, over `terms`, of the error of each
+        pressure times its factor, divided by friction times the largest pressure (or times the mean
+        contact pressure if the peak is infinite). Pressures are compared at equal normalised
+        positions in corresponding zones. (ii) The error of each end of a zone that sticks, divided
+        by the width of the zone of contact around it.
     terms : tuple of Term
         The pressures of which q is the sum.
     model : str
@@ -90,7 +90,7 @@ class Slip(sie.Kept):
         Velocity of body 2 against body 1 along +x, divided by the speed of rolling; None without
         rolling, and where everything slides under a given tangential load.
     steps : tuple
-        What slipped on the way to this state.
+        The steps of slip on the way to this state.
     contacts : mapping
         The solutions under the loads in `steps`, and those whose pressures are in `terms`.
 
@@ -129,8 +129,9 @@ class Slip(sie.Kept):
             out = self._summed(x)
         corner = np.isnan(out)
         if corner.any():
-            # At a corner infinite terms of opposite signs meet. Their sum at the corner has the
-            # same sign as next to the corner on the side of the zone. On the other side it is 0.
+            # At a sharp corner, the sum of infinite terms of opposite signs is nan. The shear there
+            # is infinite, with the sign of the sum next to the corner inside the zone. On the other
+            # side of the corner the sum is 0.
             away = 1e-9 * float(self.solution.zone_widths.min())
             beside = self._summed(x[corner] - away) + self._summed(x[corner] + away)
             out[corner] = np.copysign(np.inf, beside)

@@ -1,4 +1,4 @@
-r"""Steady rolling with friction: what sticks begins at the leading edge of each zone.
+r"""Steady rolling with friction: each stick zone begins at the leading edge of a contact zone.
 
 The body's profile stands still in the frame of the contact, like the profile of a wheel. Then the
 strain of one surface against the other is constant where the surfaces stick, and the shear q is

@@ -1,4 +1,4 @@
-"""The energy that slip loses in a step of a history, from the contacts at its ends.
+"""The energy that slip dissipates in a step of a history, from the contacts at the step's ends.
 
 The pressure p and the profile f give the moment M(P) = int p f dx. With the approach delta(P),
 Phi = int delta dP = (P delta + M)/2. The loss of `contact.slip.memory` is an integral over the load
@@ -155,8 +155,7 @@ class ApproachRise(NamedTuple):
         error = (high.load * high.error + low.load * low.error) / width
         error += max(high.error, low.error)
         # The compliance falls as the load grows, so it lies between its values at both ends. It is
-        # taken as linear in the load; `bound` is that of the resulting errors of `above` and
-        # `below`.
+        # taken as linear in the load; `bound` limits the resulting errors of `above` and `below`.
         bound = width * (
             abs(high.compliance - low.compliance) / 3
             + max(high.compliance_error, low.compliance_error)
