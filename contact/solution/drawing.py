@@ -1,4 +1,4 @@
-"""What all figures share: colours, units and ticks of axes, legends, new figures.
+"""Helpers of all figures: colours, units and ticks of axes, legends, new figures.
 
 The colours differ in hue for readers who confuse red and green, and lines that lie close together
 also differ in width or in dashes, so that a figure can be read in grey. A figure has one unit for
@@ -90,8 +90,8 @@ def stretches(*intervals: tuple[float, float]) -> list[Stretch]:
 
 
 def shared_unit(unit: str, *sizes: float) -> tuple[float, str]:
-    """Factor and name of one unit for quantities of different sizes, by their geometric mean.
-    An example of the name is µm for the unit m.
+    """Factor and name of one unit that suits the geometric mean of the smallest and largest size.
+    For the unit m the name may be µm.
     """
     known = [size for size in sizes if math.isfinite(size) and size > 0.0]
     return scaled(math.sqrt(min(known) * max(known)) if known else 0.0, unit)
@@ -113,7 +113,7 @@ def is_geometric(values: Array) -> bool:
 
 
 def log_ticks(axis: Any) -> None:
-    """Ticks of a logarithmic axis: plain numbers, or powers of ten if some would be long.
+    """Set the ticks of a logarithmic axis: plain numbers, or powers of ten if some would be long.
 
     The limits of the axis must be set before.
     """
@@ -206,7 +206,7 @@ def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
 
 
 def legend_outside(figure: Any, axes: Sequence[Any], side: str = "upper", columns: int = 5) -> None:
-    """A legend outside all panels, where it covers no data; it shows each label once.
+    """Draw a legend outside all panels, where it covers no data; it shows each label once.
 
     side: "upper" or "lower". columns: their largest number; there are fewer if the legend would be
     wider than the figure.

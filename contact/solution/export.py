@@ -136,10 +136,10 @@ def to_csv(solution: Solution) -> str:
 
 def fields_to_csv(solution: Solution) -> str:
     """The fields at sampled positions as CSV text with a header line.
-    The columns are FIELD_COLUMNS [m, Pa, m, m, m], and the shear and the overlap if there are any.
+    The first columns are FIELD_COLUMNS [m, Pa, m, m, m].
 
-    With friction the shear [Pa] is the last column, with a limit of the pressure the overlap [m].
-    The spacing of the positions is smaller near the ends of zones.
+    With friction the column shear [Pa] follows; if the law limits the pressure, overlap [m]. The
+    spacing of the positions is smaller near the ends of zones.
     """
     fields = _fields(solution)
     columns = [name for name in (*FIELD_COLUMNS, "shear", "overlap") if name in fields]

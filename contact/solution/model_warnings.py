@@ -1,4 +1,4 @@
-"""Warnings if slopes, pressures, moduli or lengths are outside the model.
+"""Warnings if slopes, pressures, moduli or lengths are outside the range of the model.
 
 The model assumes half-planes and small elastic strains. Slopes, and pressures divided by E*, have
 no unit: they are always checked. Lengths are checked only if the modulus is plainly in pascals,

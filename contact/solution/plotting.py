@@ -136,8 +136,8 @@ def draw_surfaces(
 ) -> None:
     """Draw both surfaces.
 
-    drawn: heights, with factor and unit of the axis; marked: whether a pointer to a close-up
-    stands above them.
+    drawn: heights, with factor and unit of the axis; marked: whether a pointer to a close-up stands
+    above the surfaces.
     """
     heights, up, unit = drawn
     seen, below = np.isfinite(heights.body), np.isfinite(heights.surface)
@@ -272,9 +272,10 @@ def close_up(solution: Solution, lo: float, hi: float) -> tuple[float, float] | 
 
 
 def mark_close_up(panels: Iterable[Any], whole: Stretch, close: Stretch) -> None:
-    """Mark, in panels of a whole interval, the part of it that other panels enlarge.
+    """Mark the interval `close` in the panels that show the longer interval `whole`.
 
-    A pointer above the panel shows the part even if the part is as narrow as a drawn line.
+    Other panels show `close` enlarged. A pointer above each panel shows its place even if `close`
+    is as narrow as a drawn line.
     """
     lo, hi = whole.along(close.lo), whole.along(close.hi)
     for panel in panels:
@@ -298,7 +299,7 @@ def to_html(solution: Solution) -> str:
 
 
 def html_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table as HTML; the first cell of each row is its name."""
+    """A table as HTML; the first cell of each row is the name of the row."""
     lines = ["".join(f"<th>{escape(head)}</th>" for head in heads)]
     for name, *cells in rows:
         values = "".join(f"<td>{escape(cell)}</td>" for cell in cells)

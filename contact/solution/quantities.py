@@ -71,8 +71,8 @@ class Energy:
 class PeakOptions:
     """Number of samples in the search for the largest pressure of each zone."""
 
-    # Number of samples for each shortest length of the profile, added to those for a smooth zone.
-    # Larger numbers give the same peaks.
+    # Number of samples for each shortest length of the profile in a zone; they are added to the
+    # samples of a smooth zone. Larger numbers give the same peaks.
     samples_per_length: int = 12
 
 

@@ -68,8 +68,8 @@ def zones_within(solution: Solution, lo: float, hi: float) -> Array:
 def positions(solution: Solution, lo: float, hi: float, most: int = 20_000) -> Array:
     """Ascending positions from lo to hi, close enough to draw each field by straight lines.
 
-    most: largest number of evenly spaced positions. All zones together get about as many, and each
-    at least its ends and its middle.
+    most: largest number of evenly spaced positions. All zones together get about as many more; each
+    zone gets at least its ends and its middle.
     """
     # `lengths`: how many of the profile's shortest lengths fit into the interval, but at least
     # `zone_points`. A smooth profile states no shortest length.
@@ -93,7 +93,7 @@ def on_zones(x: Array, zones: Array) -> Mask:
 
 def top_pressure(solution: Solution) -> float:
     """The largest pressure [Pa] for scaling a figure.
-    If the largest pressure is infinite, it is four times the mean pressure on the zones.
+    If the largest pressure is infinite, the result is four times the mean pressure on the zones.
     """
     if np.isfinite(solution.max_pressure):
         return solution.max_pressure

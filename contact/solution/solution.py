@@ -45,7 +45,7 @@ _WARNINGS = "contact.solution.model_warnings"
 class Solution(sie.Kept):
     """Zones, fields and numbers of a solved scene, SI units; returned by `contact.solve`.
 
-    The error of each number is stated with it in terms of `error` and p. Here p is the largest
+    The description of each number states its error in terms of `error` and p. Here p is the largest
     pressure, or the mean contact pressure where the peak is infinite; see docs/errors.md. A
     quantity that the scene does not define is None.
 
@@ -59,8 +59,9 @@ class Solution(sie.Kept):
     fields : Fields
         Pressure, gap and displacement as functions (`contact.formulation.protocol.Fields`).
     error : float
-        Stated bound of two relative errors: (i) that of the pressure, at equal normalised positions
-        in corresponding zones, divided by p; (ii) that of each end, divided by its zone's width.
+        Stated bound of two relative errors: (i) the error of the pressure, divided by p, at equal
+        normalised positions in corresponding zones; (ii) the error of each end, divided by the
+        width of its zone.
     certificate : Certificate
         The checks on the whole line, with the values that were found.
     plan : Plan
@@ -272,8 +273,8 @@ class Solution(sie.Kept):
     def energy(self) -> Energy | None:
         """Elastic and surface energy [J/m], per period if the scene is periodic.
 
-        None without an approach, for localized contact, whose strip is not the whole body, and with
-        friction or plateaus, as the energies of shear and yield are not computed.
+        None without an approach, and for localized contact, whose strip is not the whole body. None
+        also with friction or plateaus, as the energies of shear and yield are not computed.
         """
         if self.scene.law.shear_ratio or len(self.fields.plateaus):
             return None
@@ -472,13 +473,13 @@ class Solution(sie.Kept):
     def tilt(self) -> float | None:
         """Angle by which the body is turned [rad]: at zero load, the gap is profile - tilt x.
 
-        None for bodies that repeat.
+        None unless the contact is isolated.
         """
         return self.fields.tilt if self.scene.interaction.turns else None
 
     @property
     def moment(self) -> float | None:
-        """Moment of the pressure p about x = 0, int p x dx [N]; None for bodies that repeat.
+        """Moment of the pressure p about x = 0, int p x dx [N]; None unless the contact is isolated.
 
         Its error is that of the zone loads times their distances from x = 0.
         """
@@ -486,7 +487,7 @@ class Solution(sie.Kept):
 
     @property
     def rotational_stiffness(self) -> float | None:
-        """Derivative d(moment)/d(tilt) at the given load [N]; None for bodies that repeat."""
+        """Derivative d(moment)/d(tilt) [N] at the given load; None unless isolated."""
         return self.fields.rotational_stiffness if self.scene.interaction.turns else None
 
     @property

@@ -43,7 +43,7 @@ class StressFigureOptions:
     levels: int = 16  # largest number of contours up to the largest stress
     fringes: int = 10  # orders up to the largest shear stress
     reach: float = 1.6  # half width of a close-up, divided by the size of the peak
-    zones: int = 400  # widest zones with points of their own; also the number of even points
+    zones: int = 400  # number of widest zones with extra points; also of evenly spaced points
     singular_part: float = 0.995  # quantile that is the highest contour if the peak is infinite
     round_place: float = 1e-6  # places closer to 0 than this part of the depth are 0
 
@@ -169,8 +169,10 @@ def label_of(show: str, top: float) -> str:
 def draw_stress(
     axes: Any, report: StressReport, show: str, field: Field, frame: tuple[Column, float]
 ) -> Any:
-    """Draw the stresses in one column of the figure. `frame` has the column and its highest
-    contour. Returns the filled contours, or None for fringes.
+    """Draw the stresses in one column of the figure.
+
+    frame: the column and its highest contour [Pa]. Returns the filled contours, or None for
+    fringes.
     """
     (x, y, value), (column, top) = field, frame
     along, scale = column.along, scaled(top, "Pa")[0]

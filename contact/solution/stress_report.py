@@ -1,4 +1,4 @@
-"""What lies under the surface of a solution: its largest stresses, first yield, and files."""
+"""Stresses below the surface of a solution: the largest stresses, first yield, and files."""
 
 import json
 from collections.abc import Sequence

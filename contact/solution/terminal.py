@@ -20,7 +20,7 @@ def show_table(
     """Print a table, in which the `numeric` columns are aligned to the right.
 
     close: one blank between columns instead of three. file_width: number of characters in a line if
-    the output is no terminal; so many that no cell is broken.
+    the output is no terminal; it is so large that no cell is broken.
     """
     right = set(numeric)
     padding = (0, 0) if close else (0, 1)
@@ -32,8 +32,8 @@ def show_table(
     for row in rows:
         table.add_row(*row)
     width = None if sys.stdout.isatty() else file_width
-    # Here, square brackets in a reason or a unit are plain text. They are not markup of the package
-    # rich.
+    # `markup=False`: square brackets in a reason or a unit are plain text, not markup of the
+    # package rich.
     require("rich.console").Console(
         file=sys.stdout, width=width, markup=False, highlight=False
     ).print(table)
