@@ -1,6 +1,6 @@
 """Solve a scene.
 
-The steps and their rooms are, in this order:
+The steps of a solution and the modules that do them are, in this order:
 
     scene          what is given, checked when it is made            contact.model
     formulation    a scaled equation by the pressure or the gaps     contact.formulation
@@ -75,9 +75,9 @@ def solve(
         A solution of the same profile and model with similar zones. It saves the search and never
         changes the answer.
     branch : str
-        Which of several equilibria is meant, under laws that have more than one. "advancing" is
-        reached from first touch by raising the control to its value (tension: raised to zero load,
-        then lowered). "receding" is reached by lowering the control from the largest contact.
+        Chooses the equilibrium under laws that have several. "advancing" is reached from first
+        touch by raising the control to its value (for tension: by raising it to zero load, then
+        lowering it). "receding" is reached by lowering the control from the largest contact.
 
     Returns
     -------
@@ -153,7 +153,7 @@ def solved_along(
     cache: SceneCache,
     previous: tuple[CurvePoint, ...],
 ) -> Solution:
-    """The solution of one scene of several that differ only in the value of their control.
+    """The solution of one of several scenes that differ only in the value of the control.
     It starts from the solutions of the previous scenes.
 
     cache: results shared with the other scenes. previous: the last solutions on the curve.
@@ -254,9 +254,9 @@ def _run(context: SolveContext) -> Solution:
 
 def _found(context: SolveContext) -> Outcome:
     """Find the contact of a scene by one of three ways.
-    They are a module of the law, the branch of equilibria of an adhesive law, and a search.
+    The ways are a module of the law, the branch of equilibria of an adhesive law, and a search.
 
-    What a module returns is final, see `contact.model.laws.base.Routes`.
+    The contact that a module returns is final, see `contact.model.laws.base.Routes`.
     """
     module = context.scene.law.routes.module
     if module is None and context.follows_branch:

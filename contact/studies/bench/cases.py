@@ -1,4 +1,4 @@
-"""The scenes of the suite, each with a closed form or a solution by another formulation."""
+"""Scenes for errors against time, each with a closed form or a solution by another formulation."""
 
 from __future__ import annotations
 
@@ -38,7 +38,8 @@ class Case:
     """A periodic scene and its reference solution, which is computed on first use.
 
     `single` says that the scene has one zone in the period, and `localized` that the localized
-    models run on this scene too. Peers run on a scene only if its law is frictionless.
+    models run on this scene too. `judged_by` names the source of the reference solution. Other
+    codes (peers) run on a scene only if its law is frictionless.
     """
 
     name: str

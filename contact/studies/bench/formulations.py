@@ -1,7 +1,8 @@
 """Reference solutions by another formulation, where no closed form is known.
 
 A periodic contact can be solved for the pressure p on its zones or for the slope s of the gap on
-its gaps. With the mean pressure pbar, and R as in contact.formulation.gaps, the equations are
+its gaps. With the kernel K, the mean pressure pbar, and R as in contact.formulation.gaps, the
+equations are
 
     (1/pi) PV int_zones p K = (E*/2) f'        on the zones,
     (1/pi) PV int_gaps s K = R - 2 pbar/E*     on the gaps, int_gap s = 0.

@@ -1,14 +1,14 @@
 """Closed form of one zone in a period for f = -sum_n d_n cos(n phi), phi = 2 pi x/L.
 
-With c = cos(2 pi a / L), the load per period is, by the Mehler-Dirichlet integral of the Legendre
-polynomials P_n,
+With the half width a and c = cos(2 pi a / L), the load per period is, by the Mehler-Dirichlet
+integral of the Legendre polynomials P_n,
 
     P(a) = (pi E*/2) sum_n n d_n (P_{n-1}(c) - P_n(c)),
 
 (for n = 1 it is Westergaard's pi E* d sin^2(pi a/L)). By the superposition of flat punches
 (contact.reference.exact.base), with v^2 = cos(phi) - c', the pressure is
 
-    p(x) = -(2 sqrt2 cos(phi/2) / L) int_0^V P'(c') dv,   V^2 = cos(phi) - c,
+    p(x) = -(2 sqrt2 cos(phi/2) / L) int_0^V P'(c') dv,   V^2 = cos(phi) - c.
 
 The integrand is a polynomial, so that Gauss-Legendre quadrature is exact (derived here).
 """

@@ -1,11 +1,12 @@
 """Closed form of an isolated wedge with a rounded tip, f = s (sqrt(x^2 + d^2) - d).
 
-By the superposition of flat punches (contact.reference.exact.base) the load at half width a is
+Here s is the slope of the wedge, and d the length over which it is rounded. By the superposition of
+flat punches (contact.reference.exact.base) the load at half width a is
 
     P(a) = E* int_0^(pi/2) a sin(th) f'(a sin(th)) dth = s E* d (E(-q) - K(-q)),   q = a^2 / d^2,
 
 where E and K are complete elliptic integrals of parameter -q (derived here). The limit d -> 0 is
-the load s E* a of the wedge, and d >> a gives Hertz's.
+the load s E* a of the wedge, and d >> a gives Hertz's load.
 """
 
 from __future__ import annotations

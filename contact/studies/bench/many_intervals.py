@@ -3,11 +3,11 @@
     python -m contact.studies.bench.many_intervals [--out FILE] [COUNT ...]
 
 The cases are rows of 500 and 2,000 intervals of different widths and gaps. A case has one of the
-following: bounded right ends (as at the trailing edges of aerofoils), side conditions or kernels of
-a user's own, columns without declared modes, or prescribed intensities at the ends. Each case runs
-in a process of its own, on one thread. A remark gives the exponents of time as a power of the
-number of intervals. `python -m contact.studies.pages DIR` sets DIR/many-intervals.md in
-docs/measured-engine.md.
+following: bounded right ends (as at the trailing edges of aerofoils), user-defined side conditions
+or kernels, terms of unknown amplitude (columns) without a declared number of modes, or prescribed
+intensities at the ends. Each case runs in a process of its own, on one thread. A remark gives the
+exponents of time as a power of the number of intervals. `python -m contact.studies.pages DIR` sets
+DIR/many-intervals.md in docs/measured-engine.md.
 """
 
 from __future__ import annotations

@@ -1,13 +1,14 @@
 """One isolated symmetric zone under any slope f', by quadrature.
 
-With xi = a sin(theta) and PV int dtheta/(a sin(theta) - x) = 0, pressure and load are
+Let a be the half width. With xi = a sin(theta) and PV int dtheta/(a sin(theta) - x) = 0, pressure
+and load are
 
     p(x) = (E*/2 pi) sqrt(a^2 - x^2) int [f'(a sin theta) - f'(x)] / (a sin theta - x) dtheta,
     P = E* int_0^(pi/2) a sin(theta) f'(a sin theta) dtheta,
 
-where the first integral is taken over -pi/2 < theta < pi/2. It is the inverse of the finite Hilbert
-transform that is bounded at both ends. Between two breaks of a spline the integrand is smooth, and
-eight Gauss-Legendre points integrate it to round-off.
+where the first integral is taken over -pi/2 < theta < pi/2. The first formula is the inverse of the
+finite Hilbert transform that is bounded at both ends. Between two breaks of a spline the integrand
+is smooth, and eight Gauss-Legendre points integrate it to round-off.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Two published boundary-element codes on the same scenes: tamaas and ContactMechanics.
 
-Both put pressures on an even periodic grid and minimise by the conjugate gradients of Polonsky and
-Keer. The comparison favours them: each runs at the loosest tolerance that does not increase its
-discretization error, iteration limits are raised, and only the solver is timed, not the setup of
-surfaces, kernels and transforms.
+Both compute pressures on an even periodic grid and minimise the energy by the conjugate gradients
+of Polonsky and Keer. The comparison favours them: each runs at the loosest tolerance that does not
+increase its discretization error, iteration limits are raised, and only the solver is timed, not
+the setup of surfaces, kernels and transforms.
 """
 
 from __future__ import annotations

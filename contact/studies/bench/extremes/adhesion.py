@@ -27,7 +27,7 @@ def jkr() -> Iterator[Extreme]:
     """Extreme scenes of Johnson's wave and Barquins's cylinder under JKR adhesion.
 
     Near a turning point the ends move as the square root of the difference between the load and the
-    load of the turning point, so that the condition is large.
+    load of the turning point, so that the condition number is large.
     """
     group = "JKR"
     for part in (1e-2, 1e-4, 1e-6):
@@ -82,9 +82,10 @@ def _under_tension(
     group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float
 ) -> Extreme:
     here, by_load = curve.at_load(load), _condition(curve, load, part)
-    # `narrow` is the condition number of the narrow interval (a, c) of tension. The ends are
-    # rounded relative to the half width a: this gives the factor a/(c - a). The other factor is the
-    # condition number with respect to the work, since c depends on the rounded work / stress.
+    # `narrow` is the condition number of the ends of the narrow interval (a, c) of tension. The
+    # ends are rounded relative to the half width a: this gives the factor a/(c - a). The other
+    # factor is the condition number with respect to the work, since c depends on the rounded work /
+    # stress.
     narrow = (
         here.half_width
         / (here.cohesive_end - here.half_width)

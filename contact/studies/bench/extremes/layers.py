@@ -111,11 +111,10 @@ class UnderEllipse(Profile):
 
     @cached_property
     def _waves(self) -> tuple[Array, Array]:
-        """Nodes q of the integral over wave numbers, and weights times (L(q) - 1) J1(q)/q.
+        """Nodes q of the integral over wave numbers; quadrature weights times (L(q) - 1) J1(q)/q.
         L(q) is the symbol of the layer, and J1 a Bessel function.
 
-        The last q is 22/h with the thickness h, where
-        L - 1 ~ exp(-2 q h) is below round-off.
+        With the thickness h, the last node is 22/h. There L - 1 ~ exp(-2 q h) is below round-off.
         """
         last = 22 / self.layer.thickness
         nodes, weights = np.polynomial.legendre.leggauss(16)

@@ -26,9 +26,11 @@ from contact.studies.bench.truth import Exact
 def fractions() -> Iterator[Extreme]:
     """Extreme scenes with contact fractions near 0 and near 1.
 
-    Westergaard's wave has p/p* = sin^2 A, A = pi a/L, so that d ln a/d ln p = tan(A)/2A. The
-    valleys of periodic wedges and parabolas are kinks, which close only exponentially as the mean
-    pressure grows. There p ~ artanh(sin A) and p ~ -ln cos A, and d ln a/d ln p is below one.
+    Let p be the mean pressure, a the half width, and p* the pressure of full contact. Westergaard's
+    wave has p/p* = sin^2 A with A = pi a/L, so that d ln a/d ln p = tan(A)/2A. The valleys of
+    periodic wedges and parabolas are kinks, which close only exponentially as the mean pressure
+    grows. There p ~ artanh(sin A) for wedges and p ~ -ln cos A for parabolas, and d ln a/d ln p is
+    below one.
     """
     group = "contact fraction"
     for rest in (1e-6, 1e-3, 0.1):
