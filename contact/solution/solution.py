@@ -479,7 +479,7 @@ class Solution(sie.Kept):
 
     @property
     def moment(self) -> float | None:
-        """Moment of the pressure p about x = 0, int p x dx [N]; None unless the contact is isolated.
+        """Moment of the pressure p about x = 0, int p x dx [N]; None unless isolated.
 
         Its error is that of the zone loads times their distances from x = 0.
         """
