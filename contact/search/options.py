@@ -11,8 +11,8 @@ class SearchOptions:
     # zones, and in the first corrections of a guess with very many zones. Zones or gaps narrower
     # than this fraction of their neighbours are lost in rough solutions.
     rough: float = 1e-3
-    # Relative error of solutions under trial loads. They serve to find the load that gives a wanted
-    # approach or contact fraction.
+    # Relative error of solutions under trial loads. These solutions serve to find the load that
+    # gives a wanted approach or contact fraction.
     intermediate: float = 1e-6
     # Factor of a tolerance where errors grow on the way to the result: for gaps next to wide zones,
     # and in differences of two solutions.

@@ -46,8 +46,8 @@ class RollingOptions:
     # A sticking zone narrower than this fraction of its contact zone is left out. If the slip in
     # its place has the wrong sign, the zone is added again. 1e-9 to 1e-3 give the same answers.
     vanished_width: float = 1e-6
-    # A value of the wrong sign counts only above this part of the largest value. Smaller ones are
-    # errors of the equation's solution.
+    # A value of the wrong sign counts only above this part of the largest value. Smaller values of
+    # the wrong sign are errors of the equation's solution.
     sign_tolerance: float = 1e-6
     # Error of the zones that stick, divided by the error of the given contact that causes it.
     of_contact: float = 4.0

@@ -1,14 +1,14 @@
 """The energy that slip dissipates in a step of a history, from the contacts at the step's ends.
 
 The pressure p and the profile f give the moment M(P) = int p f dx. With the approach delta(P),
-Phi = int delta dP = (P delta + M)/2. The loss of `contact.slip.memory` is an integral over the load
-S whose zones stick,
+Phi = int delta dP = (P delta + M)/2. The energy W that slip dissipates (see `contact.slip.memory`)
+is an integral over the load S whose zones stick,
 
     W = mu change int [(P - S) C(S) - delta(P) + delta(S)] dS,
 
-in which P is linear in S. It does not depend on the datum of the approach. Let m be the mean of
-delta(S) over the step, and n that of delta(P). S falls from S_1 to S_2, and P goes from P_1 to P_2.
-With partial integration,
+where `change` is the absolute change of h, and P is linear in S. W does not depend on the datum of
+the approach. Let m be the mean of delta(S) over the step, and n the mean of delta(P). S falls from
+S_1 to S_2, and P goes from P_1 to P_2. With partial integration,
 
     W = mu change ((P_1 - S_1) (delta(S_1) - m) + (P_2 - S_2) (m - delta(S_2))
                    + (S_1 - S_2) (m - n)).

@@ -213,8 +213,8 @@ def in_cell(scene: Scene, table: Array) -> Array:
 def profile_fault(scene: Scene, zones: Array | None = None) -> str:
     """The first fault of a user's profile, in words; an empty string if there is no fault.
 
-    zones: zones of the contact [m]. Corners are searched for in them, and a shape on the whole line
-    is checked around them.
+    zones: zones of the contact [m]. Corners are searched for in these zones. A profile that is
+    defined on the whole line is checked in an interval around them.
     """
     if corner := undeclared_corner(scene, zones):
         return f"; {corner}"

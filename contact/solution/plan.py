@@ -42,7 +42,7 @@ class Plan:
     parts : list
         All parts that may run, used or left out, each with the reason.
     counts : dict
-        Solves, modes and kernel evaluations.
+        Numbers of solves, modes and kernel evaluations.
     tried : list of str
         Strategies that did not lead to the solution, each with the reason.
     seconds : float or None

@@ -255,7 +255,7 @@ class Solution(sie.Kept):
 
         Its error is at most about 3 `error` p L / E*, with the largest pressure p and the period L.
 
-        None for an isolated punch without a datum.
+        None in isolated contact on a half-plane without a datum.
         """
         return self.fields.approach
 
@@ -333,18 +333,18 @@ class Solution(sie.Kept):
     ) -> "Stress":
         """Plane stresses [Pa] in body 1 at points (x, y) [m], y >= 0 into the body.
 
-        The body is a half-plane. Far below a periodic contact, the stresses that the line loads
-        cause tend to a uniform pressure: the normal stress along the surface, too, tends to minus
-        the mean pressure.
+        The body is a half-plane. Far below a periodic contact, the stresses that the contact
+        pressure causes tend to a uniform pressure: the normal stress along the surface, too, tends
+        to minus the mean pressure.
 
         Parameters
         ----------
         x, y : array_like
             Places and depths [m], of shapes that broadcast to one.
         lateral : str
-            How a periodic body is held along the surface. "as loaded" adds nothing to the field of
-            the loads; "free" makes the mean of s_xx zero; "confined" makes the mean of the strain
-            e_xx zero. Without a period, all are the same.
+            How a periodic body is held along the surface. "as loaded" adds nothing to the stresses
+            that the contact pressure causes; "free" makes the mean of s_xx zero; "confined" makes
+            the mean of the strain e_xx zero. Without a period, all are the same.
         nu : float or None
             Poisson's ratio; "confined" needs it.
 
@@ -455,8 +455,9 @@ class Solution(sie.Kept):
     def worn(self) -> Any:
         """The profile that yielding leaves: height plus `overlap`; unchanged if nothing yields.
 
-        Under the same load, the elastic contact of this profile has the same pressure. Unloading,
-        and loading again up to the same load, are elastic contacts of this profile.
+        Under the same load, the elastic contact of this profile has the same pressure. During
+        unloading, and during loading again up to the same load, the contact is the elastic contact
+        of this profile.
 
         Returns
         -------

@@ -41,7 +41,7 @@ class StressFigureOptions:
     """Options of the figures of stresses."""
 
     levels: int = 16  # largest number of contours up to the largest stress
-    fringes: int = 10  # orders up to the largest shear stress
+    fringes: int = 10  # number of fringe orders up to the largest shear stress
     reach: float = 1.6  # half width of a close-up, divided by the size of the peak
     zones: int = 400  # number of widest zones with extra points; also of evenly spaced points
     singular_part: float = 0.995  # quantile that is the highest contour if the peak is infinite
@@ -64,7 +64,7 @@ class Column:
     above: float = 0.0
 
     def field(self, report: StressReport, show: str) -> Field:
-        """Places x (n,) [m], depths y (m,) [m] and what is shown (m, n) at these points [Pa]."""
+        """Places x (n,) [m], depths y (m,) [m] and the shown stress (m, n) [Pa] at these points."""
         lo, hi = self.along.lo, self.along.hi
         if not self.above:
             x, y, stress = grid(report, lo, hi, self.below)
@@ -110,7 +110,7 @@ def plot_stress(report: StressReport, show: str = "shear") -> Any:
 
 
 def columns_of(report: StressReport, show: str) -> list[Column]:
-    """One column of pictures for the whole window, and a second one if the largest stress is local.
+    """One column of panels for the whole interval, and a second one if the largest stress is local.
     The second column shows the surroundings of the largest stress.
     """
     solution = report.solution

@@ -24,7 +24,7 @@ class StressReport:
     """The largest stresses of a solution and, if a strength is given, its first yield.
 
     nu: Poisson's ratio. shear, mises: the largest shear stress in the plane and the largest von
-    Mises stress, None where the stress is infinite at `infinite` [m]. yields: first yield;
+    Mises stress; None if the stress is infinite, at x = `infinite` [m]. yields: first yield;
     not_found: why it was not found, or "".
     """
 

@@ -1,4 +1,4 @@
-"""Bracketed Newton method for the tilt at which a load has a given centre, moment / load.
+"""Bracketed Newton method for the tilt that puts the load's centre (moment / load) at a place.
 
 Under a given load the moment grows with the tilt, as the energy is convex. So a tilt with too small
 a moment and a tilt with too large a moment bracket the root. Newton's steps, computed as if the

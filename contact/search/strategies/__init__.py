@@ -1,1 +1,1 @@
-"""Strategies, one in each file: a context comes in, a contact or a `Failure` goes out."""
+"""Strategies to find the contact of a `SolveContext`; a strategy that fails returns a `Failure`."""

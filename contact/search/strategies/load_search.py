@@ -259,8 +259,7 @@ def _rate_of_error(here: Solution, other: Solution) -> float:
     """Relative change of zone ends and pressures per unit of ln(load), times 2 as a margin.
 
     Changes of ends are relative to the width of their zone, those of pressures to the peak.
-
-    It is infinite where the numbers of zones differ.
+    The result is infinite if `here` and `other` have different numbers of zones.
     """
     if len(here.zones) != len(other.zones):
         return math.inf

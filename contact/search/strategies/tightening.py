@@ -20,8 +20,8 @@ def tightened(
 ) -> Kind:
     """The most precise solution: `found`, or the same contact solved to a smaller tolerance.
 
-    again: solves from a solution to a tolerance. If a smaller tolerance hardly reduces the error,
-    the smallest tolerance is tried as the last one.
+    again: function that solves the contact again, from a solution and to a tolerance. If a smaller
+    tolerance hardly reduces the error, the smallest tolerance is tried as the last one.
     """
     is_useless = False  # whether the last solve left more than half of the error
     for _ in range(SEARCH.max_attempts):

@@ -1,1 +1,1 @@
-"""From proposed intervals to intervals whose signs are right, for zones and gaps alike."""
+"""Correction of proposed zones or gaps until pressure and gap have the right signs everywhere."""

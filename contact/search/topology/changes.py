@@ -19,8 +19,8 @@ MARGIN = 0.25
 class Change:
     """One change of the number of zones between two contacts.
 
-    kind: "birth" or "merge"; on the way back "death" or "split". where: the zone that begins or
-    vanishes, or the gap between two zones that meet or part, widened by a margin.
+    kind: "birth" or "merge"; in the opposite direction "death" or "split". where: the zone that
+    begins or vanishes, or the gap between two zones that meet or part, widened by a margin.
     """
 
     kind: str

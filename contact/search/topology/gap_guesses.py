@@ -146,7 +146,7 @@ class GapGuesses:
 
     @cached_property
     def _valleys(self) -> tuple[Index, Array]:
-        """Indices of the kinks in valleys; the relief R at each one without its own logarithm."""
+        """Indices of the kinks in valleys; R at each kink, without the logarithm of this kink."""
         kinks = np.flatnonzero(self.relief.heights < 0)
         return kinks, self.relief.without_own(kinks)
 

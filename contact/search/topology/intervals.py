@@ -55,7 +55,7 @@ def without(table: Array, parts: Array) -> Array:
 def merged(table: Array, met: Index, period: float | None) -> Array:
     """The intervals; each interval whose index is in `met` is merged with the next one.
 
-    With a period, the last one is merged with the first one of the next period.
+    With a period, the last interval may be merged with the first interval of the next period.
     """
     closed = np.isin(np.arange(len(table)), met)
     out = tables.joined_where(table, closed[:-1])

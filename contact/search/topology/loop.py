@@ -352,9 +352,8 @@ class _Loop(Generic[Kind]):
     def _after_rough(self, here: Round[Kind]) -> Array:
         """The next intervals after a round with a loose tolerance, corrected where signs are wrong.
 
-        Wrong signs that the error of an end may explain are not corrected.
-
-        The next round has the wanted tolerance.
+        Wrong signs that the error of an end may explain are not corrected. The next round has the
+        wanted tolerance.
         """
         free, newton = here.free, self.newton
         failures = (here.certificate.negative, here.certificate.overlaps)

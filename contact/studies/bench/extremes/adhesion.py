@@ -122,9 +122,9 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
 
 def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
     """Condition number of ends and pressures with respect to the load or the attribute `by`.
-    The load or attribute is changed by 1e-3 `part`, relative to its value. The relative change of
-    the ends or pressures, whichever is larger, is divided by this number. `part` is the relative
-    distance of the load from a turning point.
+    The load or attribute is changed by 1e-3 `part`, relative to its value. The result is the
+    relative change of the ends or pressures, whichever is larger, divided by the relative change of
+    the load or attribute. `part` is the relative distance of the load from a turning point.
     """
     change = 1e-3 * part
     other = curve if by == "load" else replace(curve, **{by: getattr(curve, by) * (1 + change)})

@@ -159,7 +159,7 @@ class Ellipse(SymmetricZone):
 
 
 def layers() -> Iterator[Extreme]:
-    """Extreme scenes on layers, with the kernel coth in closed form, and on elastic layers.
+    """Extreme scenes on layers: with the kernel coth, in closed form, and on elastic layers.
 
     For the kernel coth, d ln(load)/d ln(half width) = 2V coth V (head of this module) is at least
     2. The steepest slope is sinh(2V). At a half width of 30 thicknesses this slope is 1e40, too

@@ -63,7 +63,7 @@ def scales() -> Iterator[Extreme]:
     A zone of width r next to one of width 1 is a cap of height about r^2. An error eps of the
     slopes over a distance of order 1 changes the level of the cap by eps. So the relative change of
     its width is eps/r^2. The pressure of the narrow zone is about sqrt(r) of the peak. If the
-    allowed error is larger than this, a contact without the narrow zone is the same answer.
+    allowed error is larger than sqrt(r), a contact without the narrow zone is the same answer.
     """
     group = "zones of very different width"
     for ratio in (1e-2, 1e-4, 1e-6):
