@@ -35,9 +35,8 @@ _KEEP_ALL = {_Mallopt.TRIM_THRESHOLD: -1, _Mallopt.MMAP_MAX: 0}
 class SharedState:
     """A setting of the whole process that concurrent `with` blocks of all threads share.
 
-    The first block to begin calls `enter`, the last one to end calls `leave`.
-
-    `leave` is called with what `enter` returned.
+    The first block to begin calls `enter`. The last block to end calls `leave` with the result of
+    `enter`.
     """
 
     def __init__(self, enter: Callable[[], Any], leave: Callable[[Any], object]) -> None:

@@ -25,8 +25,8 @@ def scaled(magnitude: float, unit: str) -> tuple[float, str]:
     """Factor and multiple of a unit that bring a magnitude to between 1 and 1000.
 
     They are 1 and the unit itself for zero, for numbers that are not finite, and for numbers
-    below a thousandth of the smallest multiple. Only multiples that people use are chosen, so that
-    the largest of them may leave values above 1000.
+    below a thousandth of the smallest multiple. Only multiples that people use are chosen. So a
+    value in the largest of them may exceed 1000.
 
     A number without a unit, "1", is not scaled, and the name of its unit is empty.
 
@@ -69,7 +69,8 @@ def rounded(value: float, digits: int) -> str:
 
 
 def counted(count: int, one: str, many: str | None = None) -> str:
-    """A count with its noun, which is `one` for 1, and otherwise `many`: `one` with an s if None.
+    """A count with its noun: `one` for the count 1, otherwise `many`.
+    If `many` is None, the plural is `one` with an s.
 
     Examples
     --------
@@ -88,7 +89,7 @@ def headed(
 ) -> tuple[str, list[str]]:
     """Header and cells of a table column; the header has the unit below the name.
 
-    alike: values of other columns that have the same unit.
+    alike: values of other columns that must get the same unit.
     """
     if unit in ("", "1"):
         return name, [
@@ -103,7 +104,7 @@ def column(
 ) -> tuple[str, list[str]]:
     """The unit of a table column, and its values as numbers without unit; '-' for None and nan.
 
-    alike: values of other columns that have the same unit.
+    alike: values of other columns that must get the same unit.
     """
     sizes = [abs(v) for v in (*values, *alike) if v is not None and math.isfinite(v)]
     factor, name = scaled(max(sizes, default=0.0), unit)

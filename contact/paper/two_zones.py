@@ -9,10 +9,10 @@ the nominal pressure p outside a strip of width L around the pair, so that on th
          Z = (b^2 - x^2)(x^2 - a^2),
 
 with int_a^b h' dxi/sqrt(Z) = 0, the condition for a bounded pressure at the ends. Equation (36) is
-corrected here: as printed it leaves out the second zone. There are three solutions: with the full
-artanh (`LocalizedPair`); with its cubic (37) and the resulting relation of the ends (`CubicPair`);
-and with the relation printed in the paper (`PrintedCubicPair`). The exact solution is
-`contact.exact.PeriodicBiquadratic`.
+corrected here: as printed it leaves out the second zone. There are three solutions.
+`LocalizedPair` has the full artanh. `CubicPair` has the cubic approximation (37) of artanh, and the
+relation between a and b that follows from it. `PrintedCubicPair` has the relation between a and b
+as printed. The exact solution is `contact.exact.PeriodicBiquadratic`.
 """
 
 from dataclasses import dataclass
@@ -57,12 +57,13 @@ class TwoZones(PairRow):
 class LocalizedPair(TwoZones):
     """The solution of the paper's equation (35), in which artanh is not approximated.
 
-    The pressure (36) is evaluated by a Chebyshev series in x^2. closure: the nominal pressure
-    outside the strip is the given mean pressure ("self-consistent", as in the paper), or the load
-    of the isolated pair with the same total width, divided by L ("first-order"). centre: the strip
-    is centred on the "pair" (as in the paper) or on the "valley" at L/2 between two pairs. The
-    valley is the better choice if L < 4c, since the nearest asperities then belong to different
-    pairs.
+    The pressure (36) is evaluated by a Chebyshev series in x^2.
+
+    closure: the nominal pressure outside the strip. "self-consistent" is the given mean pressure,
+    as in the paper. "first-order" is the load of the isolated pair whose zones have the same width,
+    divided by L. centre: the strip is centred on the "pair" (as in the paper) or on the "valley" at
+    L/2 between two pairs. The valley is the better choice if L < 4c, since the nearest asperities
+    then belong to different pairs.
     """
 
     closure: str = SELF_CONSISTENT

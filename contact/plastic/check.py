@@ -92,8 +92,8 @@ def checked(fields: PlasticFields, load: float | None) -> Checked:
 def _corners(fields: PlasticFields) -> list[tuple[float, float]]:
     """Intervals beside sharp corners of the profile in which the pressure exceeds the limit H.
 
-    Elastic contact ends there with p ~ K / sqrt(d) at the distance d: it exceeds H for d < (K/H)^2.
-    Intervals that rounding does not tell from the corner are left out.
+    At the distance d from a corner the elastic pressure is p ~ K / sqrt(d), which exceeds H for
+    d < (K/H)^2. Intervals that are no wider than round-off are left out.
     """
     density, corners, found = fields.density, fields.problem.corners, []
     reach = (np.array(density.intensities) / fields.limit) ** 2
@@ -111,7 +111,7 @@ def _tips(fields: PlasticFields) -> list[tuple[float, float]]:
     """Intervals around convex kinks of the profile in which the pressure exceeds the limit.
     Only kinks in elastic parts of the contact are taken.
 
-    At such a kink the pressure is infinite, like the logarithm of the distance.
+    Towards such a kink the pressure grows without bound, like the logarithm of the distance.
     """
     density, (kinks, heights) = fields.density, fields.problem.forcing.kinks
     at, zone, inside = density.locate(kinks[heights > 0])

@@ -51,8 +51,8 @@ class PlasticFields(ZoneFields):
         return Spots(contacts, plateaus, spots.full)
 
     def _at_ends(self, values: Array, places: Array) -> Array:
-        """Look up values (2, Z), given at the ends of elastic intervals, at some places.
-        The value is 0 at places that are no such end.
+        """Values at `places`, looked up in `values`, (2, Z), at the ends of Z elastic intervals.
+        The value is 0 at a place that is no such end.
         """
         zones, period = self.density.zones, self.problem.period
         ends = np.concatenate((zones.a, zones.b))
@@ -95,7 +95,8 @@ class PlasticFields(ZoneFields):
             left, right = zones.values
             passage = right[i] + (left - right)[i] * np.arccos(t) / np.pi
             value = np.where((place >= zones.a[i]) & (zones.depth[i] < 0.0), passage, value)
-        # Beside a sharp corner a plateau may be narrower than round-off, and is left out.
+        # A plateau at a sharp corner may be narrower than round-off. The table of plateaus leaves
+        # it out, and the elastic pressure there exceeds the limit.
         return np.minimum(value, self.limit) * self.problem.units.pressure
 
     def overlap(self, x: ArrayLike) -> Array:
@@ -152,8 +153,8 @@ class PlasticFields(ZoneFields):
 
     @cached_property
     def moves(self) -> Array:
-        """Derivatives (2, Z) of the ends of elastic intervals by the load, outward, in scaled
-        units.
+        """Derivatives (2, Z) of the ends of Z elastic intervals by the load, outward positive.
+        They are in scaled units.
         """
         return moved_ends(self.state)
 
@@ -180,8 +181,8 @@ class PlasticFields(ZoneFields):
 
     @cached_property
     def mean_gap(self) -> float:
-        # `super().mean_gap` is the mean of the formal gap, which on plateaus is minus the overlap.
-        # So the overlap is added.
+        # `super().mean_gap` is the mean of displacement plus profile minus approach. On plateaus
+        # this is minus the overlap, but the true gap is zero. So the overlap is added.
         units, problem = self.problem.units, self.problem
         return super().mean_gap + self.mean_overlap * problem.repeat_length**-1 * units.height
 

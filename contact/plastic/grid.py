@@ -72,10 +72,9 @@ def _wider(scaled: ScaledScene) -> ScaledScene:
 
 def _plateaus(state: GridState, x: Array) -> Array:
     """Plateaus (m, 2) [m] of a grid solution: intervals on which the pressure p is the limit H.
-    Their ends are where (H - p)^2 extrapolates to zero.
 
-    H is the limit of the pressure p. Near a plateau (H - p)^2 is linear in x, as p^2 is near the
-    end of a contact.
+    Next to a plateau (H - p)^2 is linear in x, as p^2 is near the end of a contact. Its zero,
+    extrapolated from two grid points, is the end of the plateau.
     """
     n, h = state.influence.n, state.influence.h
     wraps = state.influence.is_periodic

@@ -30,8 +30,8 @@ from sie import Array, nearest_image, record
 class LoopOptions:
     """Options of `PlasticLoop`."""
 
-    # Newton's method stops as soon as a zone vanishes, so that a round of the search may remove one
-    # zone only.
+    # Largest number of rounds of Newton's method, check and correction. Newton's method stops as
+    # soon as a zone vanishes, so that a round may remove one zone only.
     max_rounds: int = 40
     # Width of a new plateau, divided by that of the interval in which the pressure is too high. A
     # plateau that is too narrow grows faster than one that is too wide shrinks.
@@ -61,10 +61,11 @@ class PlasticLoop:
 
     @property
     def decay(self) -> float:
-        """Truncation tolerance of the coefficients of each elastic zone, relative to the largest.
-        The error of truncated coefficients is magnified beside narrow plateaus and gaps. The
-        error of an iterative solution is magnified as well, so this solution has the same
-        tolerance.
+        """Tolerance at which the series of the pressure on an elastic zone is truncated.
+        It is relative to the largest coefficient of the series.
+
+        Beside narrow plateaus and gaps the error of the truncation is magnified. The error of an
+        iterative solution is magnified as well, so such a solution has the same tolerance.
         """
         return max(SEARCH.tight_factor**2 * self.tolerance, LEAST)
 
@@ -128,7 +129,8 @@ class PlasticLoop:
     def _checked(self, free: sie.Free) -> tuple[PlasticFields, Checked]:
         state = free.state
         if self.control.load is None:
-            # The stiffness and the rates of the ends are responses to a change of the load.
+            # The stiffness and the rates of the ends are responses to a change of the load. So the
+            # equation is solved again, under the load that was found.
             equation = self.problem.equation(Load(free.density.total))
             zones = free.density.zones
             state = sie.solve_zones(equation, zones, self.decay, state.sizes).with_bounded_ends()

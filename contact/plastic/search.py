@@ -99,9 +99,9 @@ def _solved(context: SolveContext, scaled: ScaledScene, spots: Spots) -> SolvedZ
             better = loop.tightened(outcome)
             if not isinstance(better, SolvedZones):
                 break
-            # The error stays the same if the last Newton step was already below this tolerance.
-            # Smaller tolerances may still help: next to a narrow plateau, the pressure changes by
-            # many times the relative motion of an end.
+            # The error stays the same if the last Newton step was already below this tolerance. An
+            # even smaller tolerance may still help: next to a narrow plateau, a small motion of an
+            # end changes the pressure by many times as much.
             if better.error <= outcome.error:
                 outcome = better
     return outcome

@@ -114,7 +114,8 @@ def changed(
         contacts = tables.united(np.concatenate((contacts, overlaps)))
     plateaus = spots.plateaus
     if spots.full and period is not None:
-        # These plateaus are moved to the period of the contact's row, but the corrections are not.
+        # In full contact the plateaus lie in the period that the row of `contacts` covers. The
+        # intervals `opened` may lie in another period, so they are moved.
         opened = tables.in_cell(opened, contacts[0, 0], period)
     if len(opened):
         plateaus = without(plateaus, opened)
@@ -126,8 +127,9 @@ def changed(
 
 def _cut(contacts: Array, negative: Array, period: float | None, full: bool) -> Array:
     if full and period is not None:
-        # In full contact, the elastic interval that crosses the border of the period lies beyond
-        # the first and only interval of `contacts`.
+        # In full contact `contacts` has one row, as long as the period. An interval of `negative`
+        # may extend beyond the end of this row. Its copy one period to the left then covers the
+        # same part of the surface at the beginning of the row.
         negative = tables.in_cell(negative, contacts[0, 0], period)
         negative = tables.ascending(np.concatenate((negative - period, negative)))
     out = without(contacts, negative)
@@ -141,7 +143,7 @@ def _cut(contacts: Array, negative: Array, period: float | None, full: bool) -> 
 def tidied(spots: Spots, problem: Problem, rims: bool = True) -> Spots:
     """The contacts and plateaus, with plateaus clipped so that elastic rims next to gaps remain.
 
-    rims: whether each rim is at least `RIM` times as wide as the plateau next to it.
+    rims: whether each rim becomes at least `RIM` times as wide as the plateau next to it.
     """
     period = problem.period
     if spots.full:

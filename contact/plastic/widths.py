@@ -32,7 +32,7 @@ SolveAgain = Callable[[SolveContext, Solution], SolvedZones | Failure]
 def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
     """The contact that has the contact fraction or the half width that the scene gives.
 
-    solve_again: see `SolveAgain`. Raises OutOfRange if no load has that width.
+    solve_again: see `SolveAgain`. Raises OutOfRange if no load gives this width.
     """
     scene, half = context.scene, context.scene.held(Quantity.HALF_WIDTH)
     fraction = scene.given_fraction
@@ -93,10 +93,11 @@ def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
 
 
 def _evened(width: float, scale: float) -> float:
-    """A function of the width of a periodic contact that grows almost linearly with the load.
+    """A function of the contact width whose value grows almost linearly with the load.
 
-    It is linear for an elastic wave (`contact.Sinusoid`). scale: 0 for isolated contact, which
-    keeps the width.
+    It is sin^2(scale * width), with the sign of the width, for periodic contact. It is exactly
+    linear in the load for an elastic wave (`contact.Sinusoid`). For isolated contact, scale is 0
+    and the value is the width itself.
     """
     return float(np.copysign(np.sin(scale * width) ** 2, width)) if scale else width
 

@@ -2,8 +2,9 @@
 
 The elastic contact of this profile under the same load has the same pressure, so that unloading
 begins from this contact. On the plateaus the profile's slope is the slope of the displaced surface,
-(2/E*) T p, with the transform T p of the pressure. In a plateau, at the distance d from its end,
-w = (4/3) |A| d^(3/2) / E*, with the edge slope A of the pressure beside the plateau.
+(2/E*) T p, with the transform T p of the pressure. Outside a plateau, at the distance d from its
+end, the pressure is its limit minus |A| sqrt(d), with a constant A. Inside the plateau, at the same
+distance, w = (4/3) |A| d^(3/2) / E*.
 """
 
 from __future__ import annotations

@@ -112,7 +112,7 @@ class SolveContext:
     """The inputs of one solve: scene, tolerances, similar solutions, cache of shared results.
     The plan records the decisions of the solve.
 
-    tol: the wanted error. tolerance: that of the zone ends and of the density. cache: results
+    tol: the wanted error. tolerance: tolerance of the zone ends and of the density. cache: results
     shared with scenes of the same profile and model. solver: a function that solves intermediate
     scenes. warm_start: a solution of the same profile and model. previous: the solutions at the
     last values of the control on a curve, the nearest one last. branch: which of several equilibria

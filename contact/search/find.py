@@ -123,7 +123,9 @@ def _as_given(context: SolveContext, refused: Failure | None) -> Outcome | Failu
 
 
 def _by_loads(context: SolveContext, refused: Failure | None) -> Outcome | Failure:
-    """The contact under an approach, from the contact under a load with nearly this approach."""
+    """The contact under a given approach, started from a contact under a given load.
+    The load is chosen so that its approach is nearly the given one.
+    """
     if _tilt_and_load_unknown(context):
         context.plan.decide("control", "loads", "neither tilt nor load is known")
         return _under_loads(context)

@@ -31,7 +31,10 @@ def is_count(name: str) -> bool:
 
 @dataclass(frozen=True)
 class Data:
-    """The rows of data with their line numbers and cells, and the rows before the data."""
+    """The rows of data with their line numbers and cells, and the rows before the data.
+
+    places: indices of the columns that are read as positions and heights. width: number of columns.
+    """
 
     path: Source
     layout: Layout
@@ -53,8 +56,8 @@ class Data:
         """Line number and fields of each row that may be a header, beginning with the row nearest
         to the data.
 
-        A header has as many fields as the data have columns; a row of other numbers ends the
-        search.
+        A header has as many fields as the data have columns. The search ends at a row that has
+        numbers in the columns to be read.
         """
         candidates = self.before
         if self.width == 1:
@@ -101,9 +104,9 @@ def refuse_unclear_commas(data: Data) -> None:
     if layout.delimiter != "," or any('"' in text for _, text in data.rows):
         return
     for (line, text), cells in zip(data.rows, data.cells, strict=True):
-        # A part that begins with 0 and a digit (000.5 in 1,000.5, or 05 in 0,05) may be the end of
-        # a number with a comma. If the first part begins so, too, all numbers are padded with
-        # zeros.
+        # A cell that begins with 0 and a digit (000.5 in 1,000.5, or 05 in 0,05) may be the end of
+        # a number that contains a comma. If the first cell of the row also begins with 0 and a
+        # digit, the numbers are taken as padded with zeros, and the commas as delimiters.
         part = next((cell for cell in cells[1:] if re.match(r"0\d", cell)), None)
         if (
             part is not None
@@ -167,7 +170,9 @@ def _refuse_unclear_thousands(data: Data) -> None:
 
 
 def refuse_unclear_columns(data: Data) -> None:
-    """Refuse a table if it is unclear which columns to read; the user has chosen no columns."""
+    """Refuse a table if it is unclear which columns to read.
+    This check is made only if the user has chosen no columns.
+    """
     layout, wanted, names = data.layout, len(data.places), data.names
     numeric = [
         k
@@ -224,11 +229,12 @@ def refuse_sideways(path: Source, rows: list[Row], layouts: list[Layout]) -> Non
 
 
 def refuse_count(data: Data) -> None:
-    """Refuse a row that holds the number of points, near the head of the table. It would be read as
-    a point.
+    """Refuse a table if one of its first three rows seems to give the number of points.
+    Without this check, the row would be read as a point.
 
-    Such a row begins with a whole number that equals the number of rows below it (in a long table,
-    also below the next two rows). Evenly spaced positions such as 11, 10, 9 are accepted.
+    Such a row begins with a whole number. In a table shorter than `LONG_TABLE`, this is the number
+    of rows below the first one. In a longer table, it is the number of rows below the row itself,
+    or below a later one of the three. Evenly spaced positions such as 11, 10, 9 are accepted.
     """
     total, mark = len(data.rows), data.layout.decimal
     first = [[row[k] if k < len(row) else "" for k in data.places] for row in data.cells[:5]]

@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Roughness:
-    """Roughness parameters of a trace, lengths in m; `depth` is the highest minus the lowest
-    height.
+    """Roughness parameters of a trace; lengths and heights are in m.
+
+    pitch: mean distance of neighbouring points. even: whether these distances are nearly equal.
+    depth: the highest minus the lowest height. rms_slope: Rdq. Formulas: head of this module.
     """
 
     points: int
@@ -72,8 +74,9 @@ def roughness(trace: "Sampled") -> Roughness:
 def power_spectrum(trace: "Sampled") -> tuple[Array, Array]:
     """Wavenumbers q = 2 pi/wavelength [1/m] and the one-sided power spectral density C(q) [m^3].
 
-    The integral of C over q is Rq^2. The spline is sampled at as many even points as the trace has.
-    A trace without period is detrended by a line and weighted by a normalized Hann window.
+    The integral of C over q is Rq^2. The spline is sampled at evenly spaced points, as many as the
+    trace has. For a trace without period, a straight line is subtracted from the heights, and they
+    are weighted by a normalized Hann window.
     """
     n = trace.x.size
     if trace.period is not None:
@@ -99,7 +102,7 @@ def height_distribution(trace: "Sampled", max_bins: int = 64) -> tuple[Array, Ar
     """Edges of equal bins [m], measured from the mean height, and the probability density of
     heights [1/m].
 
-    The number of bins is the root of the number of points, at most `max_bins`.
+    The number of bins is the square root of the number of points, but from 8 to `max_bins`.
     """
     n = trace.x.size
     count = int(np.clip(np.sqrt(n), 8, max_bins))

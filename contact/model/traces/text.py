@@ -16,10 +16,11 @@ Row = tuple[int, str]
 
 @dataclass(frozen=True)
 class Given:
-    """What a user gives in place of a path: a file object, or positions and heights.
+    """A file object, or arrays of positions and heights, that a user gives in place of a path.
 
-    words: its name in messages; name: its short name in the history; content: the bytes of a file
-    object, None for arrays; ending: the ending of its file's name, "" if unknown.
+    words: name of this object in messages; name: its short name in the history of the trace;
+    content: the bytes of a file object, None for arrays; ending: the ending of the file's name, ""
+    if unknown.
     """
 
     words: str
@@ -35,7 +36,7 @@ class Given:
         return f", line {line}" if self.content is not None else f", element {line - 1}"
 
 
-# Source of a measured trace: the path of a file, or what a user gives in place of a path.
+# Source of a measured trace: the path of a file, or an object given in place of a path.
 Source = str | Path | Given
 
 

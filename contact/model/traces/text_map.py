@@ -21,10 +21,10 @@ _UNEVEN = 0.01
 def read_map(
     path: Source, line: Any, along: Any, units: Any, **layout: Any
 ) -> tuple[Array, Array, str, Table]:
-    """Positions and heights on a line of a map [m], a text that names the line, and the table.
-    The table is the content of the file; the text also names the units.
+    """(positions [m], heights [m], text, table) for one line of a map.
+    The text names the units of the file and the line; the table is the content of the file.
 
-    layout: arguments of `read_table`; heights that are missing are NaN.
+    layout: arguments of `read_table`. Missing heights are NaN.
     """
     table = read_table(path, wanted=3, **layout)
     values, said = in_metres(path, table, units)
@@ -43,7 +43,7 @@ def read_map(
 
 
 def _grid(path: Source, name: str, places: Array, table: Table) -> tuple[Array, Array]:
-    """The coordinates of the grid in one direction, and for each point its index in them."""
+    """(coordinates of the grid in one direction, index of each point in these coordinates)."""
     grid, index = np.unique(places, return_inverse=True)
     if len(grid) < 2:
         raise at(path, table.lines[0], f"a map needs two values of {name} at least")

@@ -54,7 +54,7 @@ def intervals(
 ) -> tuple[Interval, ...]:
     """The intervals without measured heights, for a trace with points x [m].
 
-    source: what was read from a file and how it was prepared; None for points from no file.
+    source: the content of the file and the preparation; None for points that come from no file.
     """
     found = [*_joined(x, period)]
     if source is not None:

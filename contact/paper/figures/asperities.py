@@ -74,8 +74,8 @@ _LINE = {"color": "black", "linewidth": 0.6}
 class _Pressures:
     """The pressures of several models at several values of a control.
 
-    what: name of the pressure; given: name of the control; unit: pressure that is 1 on the axis;
-    every: the solutions by (value, model).
+    what: name of the pressure; given: name of the control; unit: the pressures are drawn divided by
+    this pressure; every: the solutions by (value of the control, model).
     """
 
     what: str
@@ -137,7 +137,9 @@ class _Pressures:
 def _at_widths(
     profile: Profile, half_widths: Array, numbers: Mapping[str, Callable[[Solution], float]]
 ) -> dict[str, Array]:
-    """Columns of numbers for each model at given half-widths; nan where a model has no contact."""
+    """Table with one column for each quantity in `numbers` and each model, at given half widths.
+    A value is nan where a model has no contact of this half width.
+    """
     columns: dict[str, Array] = {}
     for model in MODELS:
         found = [solved(profile, model, half_width=a) for a in half_widths]

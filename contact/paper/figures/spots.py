@@ -1,6 +1,6 @@
 """Figures 2A and 2B: spherical asperities on a hexagonal lattice.
 
-They are computed by equations (1)-(4), and with all neighbours at their places.
+They are computed by equations (1)-(4), and with all neighbours at their true positions.
 """
 
 from dataclasses import dataclass

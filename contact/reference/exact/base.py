@@ -318,9 +318,10 @@ class SymmetricZone(PressedBody):
 class _FromLoad(SymmetricZone):
     """One zone whose half width follows from the load, in closed form or as a root.
 
-    A solution inherits the fields of its profile and those of one of the two classes below. It
-    gives the profile, the pressure, the load and its derivative. Gap and approach follow from these
-    by the integrals at the head of this module, to round-off.
+    The class of a solution inherits from the class of its profile, and from `IsolatedZone` or
+    `PeriodicZone`. It defines the profile, the pressure, the load, and the derivative of the load
+    by the half width. Gap and approach follow by the integrals at the head of this module, to
+    round-off.
     """
 
     def __post_init__(self) -> None:

@@ -1,13 +1,14 @@
 """JKR adhesion of one symmetric zone: p ~ -sqrt(E* w/pi)/sqrt(d) at its ends.
 
-Here d is the distance from the end and w the work of adhesion. A state is the frictionless zone
-less a flat punch with this intensity sqrt(E* w/pi) at its corners. The load of the punch is
+Here d is the distance from the end and w the work of adhesion. A state is the solution of the
+frictionless zone minus that of a flat punch. At the corners of the punch, its pressure tends to
+sqrt(E* w/pi)/sqrt(d). The load of the punch is
 
     Q = sqrt(2 pi E* a w) isolated,   Q = sqrt(2 E* w L tan(pi a/L)) with a period L.
 
-Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12. Wave: K. L.
-Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Other profiles,
-approaches and energies are derived here, as the same zone less the same punch.
+Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12. Wave: K. L. Johnson, Int. J. Solids Struct. 32
+(1995) 423-430, doi 10.1016/0020-7683(94)00111-9. The formulas of other profiles, and all approaches
+and energies, are derived here from the same difference.
 """
 
 from dataclasses import dataclass

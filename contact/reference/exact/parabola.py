@@ -93,7 +93,8 @@ class PeriodicParabola(PeriodicZone, _Parabola):
     Kuznetsov gives the load (28); the other formulas are derived from flat punches:
     P = -(L^2 E*/2 pi R) ln cos A, p = (L E*/2 pi R) arcosh(cos u/cos A), gap slope = (L/pi R)
     arccos(cos u/cos A), u = pi x/L, A = pi a/L; approach = (L^2/4 pi^2 R)(Li_2(sin^2 A) + ln sin^2
-    A ln cos^2 A), which tends to the mean height L^2/24R. The class methods `from_load`,
+    A ln cos^2 A), with the dilogarithm Li_2. It tends to the mean height L^2/24R of the profile as
+    the contact becomes full. The class methods `from_load`,
     `from_mean_pressure` and `from_contact_fraction` start from one of these numbers; everything
     else is in `SymmetricZone`. Ye. A. Kuznetsov, Sov. Appl. Mech. 12 (1976); (28) as given by
     Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.

@@ -1,9 +1,9 @@
 """Power law f = C |x|^n, n > 1, isolated and periodic (a sharp valley at L/2).
 
-The isolated load grows as a^n, and all fields are gamma and hypergeometric functions, derived from
-the flat punches of contact.reference.exact.base. The periodic load is one integral. Power laws in
-plane contact: V. L. Popov, M. Hess & E. Willert, Handbook of Contact Mechanics, 2019, doi
-10.1007/978-3-662-58709-6.
+The isolated load grows as a^n with the half width a. All fields are gamma and hypergeometric
+functions, derived from the flat punches of contact.reference.exact.base. The periodic load is one
+integral. Power laws in plane contact: V. L. Popov, M. Hess & E. Willert, Handbook of Contact
+Mechanics, 2019, doi 10.1007/978-3-662-58709-6.
 """
 
 from collections.abc import Callable

@@ -2,10 +2,11 @@
 
 The moment is M = int p x dx. e = M/P is the centre of the load. The tilted flat punch in full
 contact is that of N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics
-(1985), sec. 2.8. If this pressure would be negative at an end, that end lifts off, and the pressure
-is bounded there. A tilt only moves the zone of a parabola. A tilted wedge has unequal slopes. The
-pressure under the wedge is bounded at both ends if the tip is at x = middle + w cos phi, with the
-half width w and cos phi = -sin(pi tilt/2 slope). All but the punch in full contact is derived here.
+(1985), sec. 2.8. If its pressure would be negative at a corner of the punch, this corner lifts off,
+and the pressure is bounded at the new end of the zone. A tilt only moves the zone of a parabola.
+The flanks of a tilted wedge have unequal slopes. The pressure under the wedge is bounded at both
+ends of the zone if the tip is at x = middle + w cos phi, with the half width w of the zone and
+cos phi = -sin(pi tilt/2 slope). All but the punch in full contact is derived here.
 """
 
 from dataclasses import dataclass
@@ -348,9 +349,9 @@ class TiltedWedge(TiltedZone):
         return self.E_star * self.wedge_slope / pi * arcosh1p(np.abs(excess))
 
     def _gap(self, e: Array, side: int) -> Array:
-        # The slope of the gap is (4 slope/pi) arctan((s + root)/((2 + s + root) tan(phi/2))). Here
-        # s is the distance from the end of the zone, and 1 - cos phi is the distance of the tip
-        # from this end. Both are divided by the half width.
+        # The slope of the gap is (4 slope/pi) arctan((s + root)/((2 + s + root) tan(phi/2))), with
+        # root = sqrt(s (s + 2)). Here s is the distance from the end of the zone, and 1 - cos phi
+        # is the distance of the tip from this end. Both are divided by the half width.
         tangent = tan(0.25 * pi + 0.5 * side * self._alpha)
 
         def gap_slope(s: Array, _: Array) -> Array:

@@ -173,10 +173,9 @@ class AdhesiveDesign(GivenZones):
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
         """(integrals of |X| times each basis function of M, integral of |X| times the poles of R).
-        They are over interval i, a zone or a gap.
+        They are over interval i, a zone or a gap. X, M and R: head of this module.
 
-        X, M and the poles are those of the head of this module. The first result is a row with one
-        entry for each coefficient of M, the second is a number.
+        The first result is a row with one entry for each coefficient of M, the second is a number.
         """
         dl, dr, weight = self._extended.nodes(i)
         weight = weight * self._extended.root(i, dl, dr)
@@ -189,8 +188,7 @@ class AdhesiveDesign(GivenZones):
         """(loads of all zones due to each basis function of M, loads due to the poles of R).
         The pressure is +-(E*/2)|X| R, with R = M + poles (head of this module).
 
-        The first array, (n, count), has one column for each
-        coefficient of M; the second is (n,).
+        The first array, (n, count), has one column for each coefficient of M; the second is (n,).
         """
         half = np.longdouble(self.E_star) / 2
         each = [
@@ -368,15 +366,19 @@ def second_variation(design: AdhesiveDesign) -> Array:
     poles = np.array([product.poles(*at)[0] for at in at_ends])
     np.fill_diagonal(poles, 0.0)
     modes = np.array([design._modes(product, *at)[0] for at in at_ends])
+    # All motions of ends are to the right here; the last line of this function turns them outward.
     strength = outward * others * q / (2.0 * unit)  # the coefficient A of every end
     # `smooth`: entry [i, j] is the value at end i of the polynomial T that belongs to a motion of
     # end j (head of this module).
     smooth = _low_modes(design, modes) @ _low_coefficients(design, strength, unit).T
     regular = modes @ design._smooth.astype(float) + poles @ q
     change = (sigma / root)[:, None] * (strength * poles + smooth)  # change of k at end i by end j
-    # Change of the intensity k at the moved end itself. Next to this end, X R = k/sqrt|factor| + b
-    # sqrt|factor|. The derivative of the second term by the end is proportional to
-    # (b/2)/sqrt|factor|. The derivatives of the other factors cancel.
+    # Change of k at the moved end itself. Let F be the factor of this end in X^2. Next to the end,
+    # X R = k/sqrt|F| + b sqrt|F| with a constant b. A motion of the end changes F. So the term with
+    # b changes by a multiple of 1/sqrt|F|, and contributes outward b/(2 unit) to the change of k.
+    # Of b only the part sigma root `regular` remains, where `regular` is R without the pole of this
+    # end. The rest of b is due to the factors of the other ends. It cancels against a part of the
+    # field at the head of this module. The polynomial T of this field contributes sigma T/root.
     own = outward * root * regular / (2.0 * unit) + np.diagonal(smooth) / root
     np.fill_diagonal(change, sigma * own)
     return np.asarray(2.0 * design.work * change / k[:, None] * outward, dtype=float)
@@ -423,8 +425,8 @@ def _low_modes(design: AdhesiveDesign, modes: Array) -> Array:
 
 def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> Array:
     """Coefficients of the polynomial T (head of this module); shape (2n, n - 1).
-    Row j belongs to a unit motion of end j, and T is a part of the field that this motion causes. T
-    makes the integral of the field vanish over every gap.
+    Row j belongs to a unit motion of end j to the right. T is a part of the field that this motion
+    causes, and makes the integral of the field vanish over every gap.
     """
     product, n = design._product, len(design.zones)
     others, m = product.end_factors(), 2 * len(design.zones)

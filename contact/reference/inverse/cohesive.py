@@ -7,16 +7,17 @@ X^2 is the product of z - e over all zone ends e, and p is bounded. The function
 
 is f' - (2/E*)(1/pi) int p/(z - xi) d xi, and f' is the polynomial part of X R. Outside the zones
 X R is the slope of the gap; on the zones p = +-(E*/2)|X| R. M is a polynomial. Linear conditions
-determine all its coefficients but the highest: all zones have one approach, and the gap at every
-end of an interval is the reach w/s. The highest coefficient is free and sets the curvature of the
-body outside the zones. Derived from the solution of N. I. Muskhelishvili, Singular Integral
-Equations (1953), ch. 11, that is bounded at the ends, and the tension of D. S. Dugdale, J. Mech.
-Phys. Solids 8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
+determine all coefficients of M but the highest: all zones have one approach, and the gap at every
+end of a cohesive interval is the reach w/s, with the work of adhesion w. The highest coefficient is
+free and sets the curvature of the body outside the zones. Derived from the solution of N. I.
+Muskhelishvili, Singular Integral Equations (1953), ch. 11, that is bounded at the ends, and the
+tension of D. S. Dugdale, J. Mech. Phys. Solids 8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
 
-Next to a strip of width w the integral over this strip is nearly singular. With zeta^2 and tau^2
-the distances from the zone's end divided by w, and 1/X = h/sqrt(distance), it is
+If z is close to a strip, the integral over this strip is nearly singular. Let b be the width of the
+strip, and b zeta^2 and b tau^2 the distances of z and xi from the zone's end. Near this end, 1/X is
+a smooth function h divided by the square root of the distance. Then the integral is
 
-    (2/sqrt(w)) [int_0^1 (h(tau) - h(zeta))/(zeta^2 - tau^2) d tau + (h(zeta)/zeta) artanh(zeta or
+    (2/sqrt(b)) [int_0^1 (h(tau) - h(zeta))/(zeta^2 - tau^2) d tau + (h(zeta)/zeta) artanh(zeta or
     1/zeta)].
 
 The first part is smooth. The second part times X is 2 artanh(zeta or 1/zeta), whose integral has a
@@ -231,8 +232,8 @@ class CohesiveDesign:
         """X times the smooth part of the Cauchy integral of 1/X over a strip of tension.
         X is the signed root given by `_root`.
 
-        The points t lie in the strip's own gap. The closed part
-        2 direction artanh(zeta or 1/zeta) is left out: see the head of this module.
+        The points t lie in the strip's own gap. The part in closed form,
+        2 direction artanh(zeta or 1/zeta), is left out: see the head of this module.
         """
         difference = 1.0 - 1.0 / (self._root(t, strip.ends)[..., None] * strip.h)
         integral = (difference / (t[..., None] - strip.nodes)) @ strip.weights
@@ -249,9 +250,8 @@ class CohesiveDesign:
         """The two parts of the slope of the gap at points t: from M, and from the tension.
         M is the polynomial at the head of this module.
 
-        The first part has one column for each
-        coefficient of M. The artanh of the strips in this gap is left out; `_gap_parts` integrates
-        it.
+        The first part has one column for each coefficient of M. The artanh of the strips in this
+        gap (head of this module) is left out; `_gap_parts` integrates it.
         """
         by_tension = np.zeros(t.shape)
         for strip in self._strips:

@@ -112,8 +112,9 @@ class CutProduct:
     def _factors(self, left: Array, right: Array, positive_side: Mask) -> Array:
         """Signed factors (x - e)/unit at points x, where e are zone ends or roots of M.
 
-        With a period the factors are 2 sin(pi (x - e)/L). The end or root e lies at the distance
-        `left` on the left of x, or at the distance `right` on the right of x.
+        Where `positive_side` is true, e lies at the distance `left` on the left of x. Elsewhere e
+        lies at the distance `right` on the right of x. With a period both distances exist, and the
+        factors are 2 sin(pi (x - e)/L).
         """
         if self.period is None:
             return np.where(positive_side, left, -right) / self._unit
@@ -133,8 +134,8 @@ class CutProduct:
         """Distances from points of interval i to all roots of M, which has one root in each gap.
         Returns (distances leftward, distances rightward, mask of the roots on the left of interval
         i, with the root in gap i). `offsets`, (roots, 2), are the distances of the roots from the
-        ends of their gaps. For the root r in the point's own gap the leftward distance is x - r
-        with its sign, the rightward one is inf.
+        ends of their gaps. If a point x and a root r lie in the same gap, the leftward distance is
+        x - r with its sign, and the rightward distance is inf.
         """
         gaps = np.array(self.gaps, dtype=int)
         left, right = self._distances(i, dl, dr)

@@ -124,9 +124,10 @@ def random_adhesive_problem(
 
     The zones are those of `random_problem`.
 
-    The work of adhesion is chosen so that flat punches on the zones, each under its JKR load,
-    together carry `pull` times the load. `pull` is halved until the surfaces are separate between
-    the zones and, if asked for, the contact is stable.
+    To choose the work of adhesion w, each zone is taken as an isolated flat punch, with the JKR
+    intensity sqrt(E* w/pi) at its corners. The loads of these punches add up to `pull` times the
+    load. `pull` is halved until the surfaces are separate between the zones and, if asked for, the
+    contact is stable.
 
     Parameters
     ----------
@@ -181,12 +182,12 @@ def random_cohesive_problem(
 ) -> CohesiveDesign:
     """A random isolated problem with an exact solution under Dugdale's law.
 
-    The zones are those of `random_problem`. On the cohesive intervals, the gap of the frictionless
-    contact with these zones is below the reach. The reach is the median of this gap at one point
-    outside each zone end. The distance of this point from the end is `strip` times the width of the
-    narrowest zone or gap. The tension begins at `pull` times the mean pressure, and is quartered
-    until the design is admissible. As the tension tends to zero, the design tends to the
-    frictionless contact, which is admissible.
+    The zones are those of `random_problem`, which gives a frictionless contact. The tension acts
+    where the gap of this contact is below the reach. To choose the reach, one point is taken
+    outside each zone end, at the distance `strip` times the width of the narrowest zone or gap. The
+    reach is the median of the gap at these points. The first tension is `pull` times the mean
+    pressure; it is quartered until the design is admissible. As the tension tends to zero, the
+    design tends to the frictionless contact, which is admissible.
 
     Parameters
     ----------

@@ -4,7 +4,8 @@ On n points with spacing h (one period, or a window of an isolated contact) find
 
     p >= 0,   gap = S p + f - level >= 0,   p * gap = 0,   sum p h = load  (or a given level),
 
-where the operator S gives the displacement u = S p, with the Fourier coefficients u_k and p_k,
+where f are the heights. The operator S gives the displacement u = S p. With the reduced modulus E
+and the Fourier coefficients u_k and p_k,
 
     periodic:  u_k = 2 p_k / (E |k|), k = 2 pi j / (n h), u_0 = 0,
     isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell.
@@ -23,11 +24,11 @@ so that the number of iterations does not grow with n:
   Hintermueller, Ito & Kunisch (2002), SIAM J. Optim. 13, 865-888, doi 10.1137/S1052623401383558. A
   wrong end of the contact moves in each solve by a fixed fraction of its error, so that about
   log2(n) solves suffice.
-* On a contact set the gradient is preconditioned by B' D B. D = E|k|/2, and B interpolates the
-  displacement linearly across the gaps. The exact inverse of S has the same form, with the
-  extension of least energy in place of B. Therefore the condition number is bounded, up to
-  logarithms, for any number of zones. B maps constants to constants, so that B' D B does not change
-  the load.
+* On a contact set the gradient is preconditioned by B' D B. D = E|k|/2, B interpolates the
+  displacement linearly across the gaps, and B' is the transpose of B. The exact inverse of S has
+  the same form, with the extension of least energy in place of B. Therefore the condition number is
+  bounded, up to logarithms, for any number of zones. B maps constants to constants, so that B' D B
+  does not change the load.
 """
 
 from __future__ import annotations
@@ -442,7 +443,7 @@ class _Run:
         r -= r.mean()
         z = extension.precondition(r)
         direction, rz = z.copy(), _dot(r, z)
-        # A rough solution needs no more digits of the response than of the residual.
+        # A rough solution needs few digits, so the response is computed in single precision.
         is_rough = tol >= OPTIONS.fine_tolerance
         apply = self.influence.single_compliance.response if is_rough else self.influence.response
         converged, steps = False, 0

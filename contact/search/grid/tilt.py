@@ -154,6 +154,9 @@ class _Tilting:
 
     At a tilt between two others, the contact lies between the contacts at those two tilts. A window
     about both contacts therefore also contains asperities that are far apart.
+
+    limits: the widest window. bounded: whether the body is defined within `limits` only. first: the
+    window to begin with. whole: if not None, the window at every tilt.
     """
 
     scene: Scene
