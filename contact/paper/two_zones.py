@@ -153,9 +153,7 @@ class CubicPair(TwoZones):
 
     @property
     def _half(self) -> float:
-        """(b^2 - a^2)/2, as it follows from the load; a and b are the inner and outer end of a
-        zone.
-        """
+        """(b^2 - a^2)/2 from the load, where a and b are the inner and the outer end of a zone."""
         return sqrt(4.0 * self.load / (pi * self.E_star * self.alpha))
 
     @property

@@ -18,7 +18,7 @@ from sie import Array, Mask, nearest_image, record, wrapped
 
 @record
 class PlasticFields(ZoneFields):
-    """The fields of a contact in which the pressure has its limit H on plateaus (some intervals).
+    """The fields of a contact with plateaus: intervals on which the pressure is its limit H.
 
     A zone is a contact with the plateaus in it. The unknown is the pressure on its elastic parts
     (`solved_zones`). limit: H, scaled.

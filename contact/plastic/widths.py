@@ -103,7 +103,7 @@ def _evened(width: float, scale: float) -> float:
 
 
 def _evened_slope(width: float, scale: float) -> float:
-    """Derivative of the function `_evened` of a contact width by this width."""
+    """Derivative of `_evened` by the contact width."""
     return scale * abs(float(np.sin(2 * scale * width))) if scale else 1.0
 
 

@@ -101,7 +101,8 @@ class _Pressures:
     def apart(self, value: float, model: str, form: Array, where: Any = ...) -> float:
         """Largest relative difference of a model's pressure from the pressure of a closed form.
 
-        `form` has the closed form's pressures at the abscissas `self.x`.
+        form: pressures of the closed form at the abscissas `self.x`. where: indices or mask of the
+        abscissas that are compared.
         """
         return worst(self.columns[self.name(value, model)][where] * self.unit, form[where])
 

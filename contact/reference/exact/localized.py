@@ -181,8 +181,8 @@ class LocalizedZone(SymmetricZone):
 
     half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
     E_star = property(lambda self: self.isolated.E_star)  # type: ignore[assignment]
-    # The nominal pressure acts outside one period, and it does not fix the constant of the
-    # displacement. Therefore the approach and the stiffness are not defined.
+    # The nominal pressure acts outside one period only. It leaves a constant in the displacement
+    # undetermined. Therefore the approach and the stiffness are not defined.
     approach = property(lambda self: None)
     stiffness = property(lambda self: None)
 

@@ -129,8 +129,7 @@ class AdhesiveDesign(GivenZones):
         return sqrt(self.E_star * self.work / pi)
 
     def _side(self, i: int) -> float:
-        """Factor +-1 by which |X| R becomes the slope of the gap in gap i.
-        X^2 is the product of the factors x - e of all zone ends e.
+        """Factor +-1 by which |X| R (head of this module) becomes the slope of the gap in gap i.
 
         On zone i it turns (E*/2)|X| R into the pressure. It is 1 on the last zone.
         """
@@ -452,8 +451,8 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
 def _pole_slope(
     design: AdhesiveDesign, g: int, at: tuple[Array, Array], j: int, pole: Any
 ) -> Array:
-    """(|X| pole)' / |X| at points in gap g, where `pole` is the pole of R at end j.
-    The pole is 1/(x - e_j) without a period; X^2 is the product of the factors x - e of all ends.
+    """Derivative of |X| times `pole` by x, divided by |X|, at points x in gap g.
+    `pole` is the pole of R at end j, which is 1/(x - e_j) without a period.
 
     X, R: head of this module. at: distances of the points from the ends of the gap.
     """

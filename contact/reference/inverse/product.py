@@ -214,9 +214,10 @@ class CutProduct:
         """Nodes and weights of a Gauss-Chebyshev rule on interval i.
         Each node is given by its distances from both ends of the interval.
 
-        Returns (distances dl from the left end, distances dr from the right end, weights). The
-        integrand may grow like 1/sqrt at the ends, and is analytic up to the neighbouring ends.
-        Their distance, divided by the length of the interval, sets the number of nodes.
+        Returns (distances dl from the left end, distances dr from the right end, weights). Near
+        the ends the integrand may grow like 1/sqrt(distance). It is analytic up to the next zone
+        ends outside the interval. The distance to the nearer of these, divided by the length of the
+        interval, sets the number of nodes.
         """
         m, h = len(self.steps), self.steps[i]
         nearest = min(

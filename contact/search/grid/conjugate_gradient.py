@@ -1,4 +1,4 @@
-r"""Frictionless contact of an elastic body on a uniform grid, for the number of zones.
+r"""Frictionless contact of an elastic body on a uniform grid, to find the number of zones.
 
 On n points with spacing h (one period, or a window of an isolated contact) find the pressure with
 
@@ -169,7 +169,7 @@ class Influence:
 
     @cached_property
     def single_stiffness(self) -> _SinglePrecision:
-        """The operator D, displacement to pressure, in single precision, on all padded points."""
+        """The operator D (displacement to pressure) in single precision, on all padded points."""
         return _SinglePrecision(self._single_table, self.stiffness)
 
     @property
@@ -195,8 +195,8 @@ class Response:
     """The response of the surface to pressure, from which the operator of any grid is made.
 
     periodic: the response is given by the `symbol` and the `compression` of the body. If not
-    periodic, the body is alone on the line, with the length `datum` in the logarithm. rest: the
-    kernel minus that of the half-plane. cap: largest pressure that the surface bears.
+    periodic, the body is alone on the line, and its kernel is -2 (ln(|x|/datum) + rest)/(pi E).
+    rest: None for a half-plane. cap: largest pressure that the surface bears.
     """
 
     E: float
@@ -421,7 +421,7 @@ class _Run:
     def conjugate_gradient(
         self, load: float, mask: Mask, guess: Array | None, tol: float, shape: Array | None = None
     ) -> tuple[Array, Array, float, float, bool]:
-        """The pressure on the points `mask` that has a given load and makes S p + `shape` constant.
+        """The pressure p on the points `mask` for which S p + `shape` is constant, at a given load.
 
         Returns the pressure p, the displacement S p, the constant, the largest error of p as
         estimated by the preconditioner, and whether the tolerance was met.

@@ -1,4 +1,4 @@
-"""Multiplication by real factors in Fourier space, by short transforms instead of a long one.
+"""Multiplication by real factors in Fourier space, with short transforms instead of a long one.
 
 Let N be even. N real values x are taken as N/2 complex values z_m = x_2m + i x_(2m+1). These are
 written into a table with n1 rows and n2 columns, n1 n2 = N/2. The columns are transformed, the
@@ -30,8 +30,8 @@ MIN_SIZE = 1 << 17
 # Number of values in the rows or columns that are transformed at once, so that they stay in the
 # processor's cache. Insensitive to a factor of four.
 BLOCK = 1 << 16
-# Time of a transform divided by its number of values, in units of the time of a term of
-# `sie.in_threads`.
+# Time of a transform divided by its number of values. The unit is the time of one term of a sum, by
+# which `sie.in_threads` counts the work.
 TERMS_PER_VALUE = 4
 
 
@@ -83,7 +83,7 @@ class FourierTable:
 
 
 class FourierMultiplier:
-    """Multiplication by real factors in Fourier space, of the waves 0 ... N/2 of N real values.
+    """Multiplication of the waves 0 ... N/2 of N real values by one real factor each.
 
     A call returns the N real values of the product, for at most N given values. Zeros are appended
     to fewer values. N may be odd.
@@ -101,8 +101,8 @@ class FourierMultiplier:
         self.by_mirrored_wave = self._table(difference * np.cos(theta))
 
     def _table(self, of_waves: Array) -> NDArray[Any]:
-        """Numbers for all waves k in the order of the table, each one twice.
-        They multiply the real and the imaginary part of Z.
+        """The numbers `of_waves` in the order of the table, each one twice.
+        They multiply the real and the imaginary part of Z at each wave.
         """
         ordered = of_waves.reshape(-1, self.table.rows).T.astype(self.table.precision)
         return np.repeat(ordered, 2, axis=1)

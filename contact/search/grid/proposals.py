@@ -116,9 +116,9 @@ def _corrected(
 ) -> tuple[float, float, Proposal]:
     """A scaled load, corrected on a grid so that the zones have a given total width.
 
-    start: a load, the rate of the width's error with the logarithm of the load, and the zones of a
-    coarser grid. is_last: whether the grid, of `points` points, is the finest one. There the
-    allowed error of the width is smaller. Returns these three for this grid.
+    start: a load, the derivative of the width's error by the logarithm of the load, and the zones,
+    all from a coarser grid. is_last: whether the grid, of `points` points, is the finest one. There
+    the allowed error of the width is smaller. Returns the same three results for this grid.
     """
     (load, rate, near), before = start, (math.nan, math.nan)
     tried: list[tuple[float, Proposal]] = []
@@ -159,7 +159,8 @@ def _load_of_width(scaled: ScaledScene, width: float, points: int) -> tuple[floa
 
     points: number of points of the grid.
 
-    Returns the load, the rate of the width's error with the logarithm of the load, and the zones.
+    Returns the load, the derivative of the width's error by the logarithm of the load, and the
+    zones.
     """
     units, period = scaled.problem.units, scaled.problem.repeat_length
     smaller = min(width, period - width)

@@ -92,7 +92,7 @@ def _turned(scene: Scene, guess: float) -> ScaledScene:
 
 
 def _scaled_by(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
-    """The scaled scene, with origin and length from an interval that contains the contact.
+    """The scaled scene; an interval that contains the contact gives its origin and unit of length.
 
     The approach is measured at x = 0 of the body before it is turned.
     """
@@ -165,7 +165,7 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
 
 
 def _light(scene: Scene) -> float:
-    """A load so small that the contact is narrow relative to the datum length of the logarithm."""
+    """A load so small that the contact is narrow compared with the datum, a length."""
     return SEARCH.light_load * scene.E_star * (scene.operator.datum or 1.0)
 
 

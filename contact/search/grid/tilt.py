@@ -55,7 +55,8 @@ OPTIONS = TiltOptions()
 def known_part(profile: Profile) -> Window | None:
     """The interval [m] on which a turned body is defined; None for the whole line.
 
-    Its ends are the corners of a punch, the ends of the single cell or the ends of the trace.
+    Its ends are the corners of a punch, the ends of one period that stands alone, or the ends of a
+    trace.
     """
     return profile.support or Tilted(profile, 0.0).extent
 
