@@ -2,12 +2,12 @@ r"""The largest equivalent stress in the body of a solution, and its place.
 
 The search covers all depths, from the finest detail of the pressure to the widest zone. Without
 friction, a pressure between 0 and P causes a shear stress of at most P/pi in the plane, and a mean
-stress of at most P. Let P1 be the highest pressure within the distance k times the depth of a
-point. Pressures farther away are seen from the point under an angle of 2 arccot(k) only. So
+stress of at most P. For a point at the depth y, let P1 be the highest pressure within the distance
+k y. Pressures farther away are seen from the point under an angle of 2 arccot(k) only. So
 
     shear <= P1/pi + (P - P1) 2 arccot(k)/pi,     mean <= P1 + (P - P1) 2 arccot(k)/pi.
 
-Depths and places at which these bounds are below a stress that has been found are left out.
+Points at which these bounds are below a stress that has already been found are left out.
 """
 
 from dataclasses import dataclass
@@ -38,11 +38,12 @@ class LargestOptions:
     # Least depth of the scan, divided by the length over which the pressure varies. Below a smooth
     # peak of the pressure, the largest stress is at 0.3 to 0.8 of the peak's half width.
     first_depth: float = 0.1
-    reach: float = 8.0  # k in the bounds of the stresses
-    bound_margin: float = 1.1  # for peaks of the pressure between its samples
-    refined: int = 48  # places that are refined
+    reach: float = 8.0  # k in the bounds of the stresses (head of this module)
+    bound_margin: float = 1.1  # factor on the bounds, for peaks of the pressure between its samples
+    refined: int = 48  # largest number of places that are refined
     near_best: float = 0.8  # least stress of a refined place, in units of the largest
-    max_steps: int = 80  # largest number of refinements, and of loads tried; fewer are usual
+    # Largest number of refinements, and of loads tried for first yield; fewer are usual.
+    max_steps: int = 80
 
 
 OPTIONS = LargestOptions()
@@ -121,7 +122,8 @@ class Criterion:
     def at_corner(self) -> float:
         """Largest equivalent stress beside a step of the pressure from 1 to 0.
 
-        Uniform pressure on a half line causes these stresses at the angle `angle` to the free part.
+        The stresses are those of a uniform pressure on one half of the surface. They depend only on
+        `angle`, measured at the step from the free half of the surface.
         """
         angle = np.arange(0.0, np.pi, CORNER_STEP)
         plane, turned = angle / np.pi, np.sin(2 * angle) / (2 * np.pi)
@@ -210,7 +212,8 @@ class _Samples:
 
     x: places [m]; pressure: absolute values [Pa]; scale: the length over which the pressure varies
     there [m]; period: [m] or None; span: the widest zone [m], or the period. table: entry k has the
-    largest pressure of each 2^k successive samples, with one more period on both sides.
+    largest pressure among each 2^k successive samples. In periodic contact, the samples in `table`
+    are repeated by one period on both sides.
     """
 
     x: Array
@@ -276,10 +279,10 @@ class _Samples:
         return self.span / OPTIONS.depth_ratio ** np.arange(count + 1.0)
 
     def at_depth(self, depth: float) -> Array:
-        """The sample positions from which this depth is scanned.
-        There is one in each cell of width depth / `places_per_depth`.
+        """The sample positions x below which stresses are computed at this depth.
+        There is at most one position in each cell of the width depth / `places_per_depth`.
 
-        Samples whose own least depth is larger are left out.
+        A sample is left out at depths below `first_depth` times its `scale`.
         """
         x = self.x[OPTIONS.first_depth * self.scale <= depth]
         cell = np.floor(x * (OPTIONS.places_per_depth / depth))

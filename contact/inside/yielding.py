@@ -56,7 +56,7 @@ class Yield:
     solution : Solution or None
         The contact at first yield; None if the load is 0.
     criterion : Criterion or None
-        The equivalent stress; None if the load is 0.
+        The criterion that gives the equivalent stress; None if the load is 0.
 
     Examples
     --------
@@ -108,7 +108,9 @@ def check(strength: float, criterion: Criterion) -> None:
 
 
 def changed_control(scene: Scene) -> str:
-    """Name of the control that the search changes: the load under a limit of the pressure."""
+    """Name of the control that the search changes.
+    It is the load if the law limits the pressure, and the scene's own control otherwise.
+    """
     return "load" if scene.law.pressure_range.has_limit else scene.control[0]
 
 
@@ -119,7 +121,10 @@ Point = tuple[float, float, Body, Peak]
 
 @dataclass
 class _Search:
-    """Search for first yield: a bracket of ln(control) that is made smaller."""
+    """Search for first yield: a bracket of ln(control) that is made smaller.
+
+    below, above: the last trials with a largest stress below the strength, and not below it.
+    """
 
     at: Callable[[float], Body]
     strength: float
@@ -195,7 +200,7 @@ class _Search:
         return self._scanned(point, most, end)
 
     def _refuse_above_bound(self, body: Body, highest: float) -> None:
-        """Raise OutOfRange if no pressure up to `highest` can cause a stress of the strength."""
+        """Raise OutOfRange if no pressure up to `highest` can cause yield."""
         deep = highest if self.criterion.lateral != LATERAL[0] else 0.0
         most = float(self.criterion.bound(np.array(highest), highest, deep))
         if self.strength > most:
@@ -207,10 +212,10 @@ class _Search:
     def _scanned(self, point: Point, most: float, end: float) -> Yield:
         """First yield above the load of `point`, by a scan of loads up to `end`.
 
-        most: a load [N/m] that is larger than all that the body bears; it may be infinite.
+        most: an upper bound [N/m] of the loads that the body bears; it may be infinite.
         """
         points, load, ended = [point], point[2].load, ""
-        tops: dict[int, Point] = {}  # by the index of the middle one of three points
+        tops: dict[int, Point] = {}  # results of `_top`, by the index of the middle one of 3 points
         while load < end and most - load > load / OPTIONS.max_ratio**3:
             load += 0.5 * min(load, most - load)
             new = self._trial(float(np.log(load)))
@@ -264,7 +269,7 @@ class _Search:
         return self._within()
 
     def _start(self, body: Body) -> Point:
-        """A contact with a largest pressure below half of the limit, if there is one.
+        """A contact whose largest pressure is at most half of the limit, if there is one.
 
         Such a contact is elastic, and so are the contacts under smaller loads. At a sharp tip the
         pressure is at the limit under any load. Then the contact under the smallest load tried is
@@ -297,7 +302,7 @@ class _Search:
             return None
 
     def _top(self, points: list[Point]) -> Point:
-        """The largest stress around the middle one of three points, by golden sections.
+        """The largest stress around the middle one of three points, by golden-section search.
 
         The search ends where the strength is reached.
         """
@@ -418,6 +423,6 @@ def infinite_at(body: Body) -> float | None:
     infinite = np.flatnonzero(np.isinf(pressure) | np.isnan(pressure))
     if len(infinite):
         return float(at[infinite[0]])
-    # Without an intensity, only a concave kink is left, where the pressure may tend to -infinity.
-    # In truth a gap opens there, which is too narrow to be resolved.
+    # Without an intensity, the only place left is a concave kink, where the pressure may tend to
+    # -infinity. In truth a gap opens there, which is too narrow to be resolved.
     return float(at[0]) if body.fields.problem.end.intensity and len(at) else None

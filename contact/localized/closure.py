@@ -1,10 +1,12 @@
 """First-order closure: the nominal pressure of a strip follows from an isolated contact.
 
 The nominal pressure is the load of the isolated contact divided by the period. The isolated contact
-is that of the profile alone (one period, without images) with the same total width.
+is that of one period of the profile, without images. Its zones have the same total width as those
+of the strip.
 
-For one zone the isolated solution is formal, as in the paper: its signs are not checked. For
-several zones the profile of the strip alone is a contact problem of its own.
+For one zone the isolated solution is formal, as in the paper (Goryacheva and Tsukanov 2020): the
+signs of its pressure and gap are not checked. For several zones, these signs are checked and wrong
+ones are corrected.
 """
 
 from __future__ import annotations
@@ -40,10 +42,10 @@ LOOKS = 2**10
 def first_order(
     context: SolveContext, scaled: ScaledScene, found: SolvedZones | None = None
 ) -> SolvedZones:
-    """Zones of the strip under a nominal pressure: the isolated load divided by the period.
-    Under the isolated load, the contact without periodic images has the same total width.
+    """Zones of the strip under the nominal pressure P0 / period of the first-order closure.
+    Under the load P0, the contact without periodic images has the same total width.
 
-    found: the same strip, solved to a larger tolerance.
+    found: the zones of the same strip, solved to a larger tolerance; None if there are none.
     """
 
     def strip(problem: Problem, control: Control, start: Array | None) -> SolvedZones:

@@ -28,7 +28,9 @@ class DerivativeOptions:
     # Tolerance of the pressures from which a central difference is computed. The difference has the
     # error `tolerance` / (2 `shift`), far below its truncation error `shift`^2.
     tolerance: float = 1e-11
-    # Step of the centre in a central difference, divided by the width of the gap at the border.
+    # Step of the centre in a central difference, divided by the distance from the zones to the
+    # border of the strip. For the profile alone, it is divided by the width of an outermost zone or
+    # of the gap next to this zone, whichever is less.
     shift: float = 1e-3
 
 
@@ -55,7 +57,7 @@ class TwoContacts:
 
     @property
     def cut_off(self) -> Mask:
-        """Whether zones of the profile alone end at the (left, right) border of the strip."""
+        """Mask (2,): whether zones of `alone` end at the left and the right border of the strip."""
         zones = self.alone.free.density.zones
         return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.cut)
 
@@ -109,8 +111,8 @@ class ContactRates(sie.Kept):
         return -np.array([self._shifted.levels.mean(), self._pressed.levels.mean(), by_load])
 
     def of_strip(self, step: Array) -> Array:
-        """Outward motions of the strip's zone ends for a step of three unknowns.
-        These are (centre of the strip, nominal pressure, load).
+        """Outward motions of the strip's zone ends for a step of the three unknowns.
+        The unknowns are (centre of the strip, nominal pressure, load).
         """
         return step[0] * self.by_centre + step[1] * self.by_pressure + step[2] * self.by_load
 
@@ -153,8 +155,9 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def matrix(self) -> Array:
-        """Jacobian (2, 2) of the two conditions by the strip's centre and the nominal pressure.
-        The conditions are: equal widths of the two contacts, and a strip centred on its zones.
+        """Jacobian (2, 2): derivatives of two conditions by the strip's centre and the nominal
+        pressure. The conditions are: equal widths of the two contacts, and a strip centred on its
+        zones.
 
         The first condition is W = W0: the zones of `at.strip` and of `at.alone` have the same total
         width. The second: the middle of the strip's zones is the centre.
@@ -169,8 +172,8 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def following(self) -> Array:
-        """Derivatives (3,) of the unknowns by the load, if the side conditions stay satisfied.
-        The unknowns are centre of the strip, nominal pressure, and the load itself.
+        """Derivatives (3,) of centre, nominal pressure and load by the load.
+        The two conditions of `matrix` stay satisfied as the load changes.
         """
         return np.append(
             -np.linalg.solve(self.matrix, (float(self.by_load.sum()), middle_motion(self.by_load))),

@@ -6,7 +6,7 @@
 width W, and L the period. For a given W, the contacts of the strip and of the isolated profile are
 ordinary problems, so the controlled quantity is a function of W. Newton's method in a bracket finds
 the W for the given value of the controlled quantity, on the branch that starts at zero load and
-ends at the first maximum.
+ends at the first maximum of this quantity.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class WidthOptions:
     def converged_step(self) -> float:
         """Step of the contact width, relative to the width, below which Newton's method stops.
 
-        The derivatives then correct the remaining error, to about the square of this step.
+        A final linear correction then leaves an error of about the square of this step.
         """
         return math.sqrt(EPS)
 
@@ -59,9 +59,9 @@ class WidthOptions:
 class _AtWidth:
     """Two contacts of equal width: that of the strip, and that of the strip's profile alone.
 
-    present, wanted: the controlled quantity, and its given value. slope, by_load: rates of the
-    controlled quantity with the width and with the load. following: rates of centre, nominal
-    pressure and load with the load (3,).
+    present, wanted: the controlled quantity (such as the load), and its given value. slope,
+    by_load: derivatives of the controlled quantity by the width and by the load. following:
+    derivatives (3,) of the strip's centre, the nominal pressure and the load, by the load.
     """
 
     at: TwoContacts

@@ -53,7 +53,7 @@ class ClosureOptions:
 
     widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
     # If Newton's steps from both ends of the bracket exceed this many bracket widths, W - W0 is
-    # taken to jump past zero. W and W0 are the total widths at the head of this module.
+    # assumed to jump across zero. W and W0 are the total widths at the head of this module.
     jump: float = 3.0
     margin: float = 2.0  # stated error of the root, divided by its last Newton step
 

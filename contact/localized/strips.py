@@ -1,7 +1,8 @@
 """The zones of the localized model: the strip is centred on its own zones.
 
-The strip's centre c is the middle of the outermost ends of its zones. Zones about a centre are
-found as in any other scene; c is the root of middle(c) - c, by the secant method.
+The strip's centre c is the middle between the outermost ends of its zones. For a given centre, the
+zones are found as in any other scene, and middle(c) is the middle of these zones. The secant method
+finds the root c of middle(c) - c.
 """
 
 from __future__ import annotations

@@ -41,8 +41,8 @@ def finite(field: str, value: Any, allowed: str = "a finite real number") -> flo
 
 
 def as_array(value: Any) -> NDArray[Any]:
-    """Return the value as an array, or `np.asarray(None)` if it is no plain array.
-    This is so for a ragged list, and for a quantity whose unit numpy would lose.
+    """Return the value as an array, or `np.asarray(None)` if numpy makes no plain array of it.
+    A ragged list gives no plain array. Nor does a quantity, whose unit numpy would lose.
     """
     if hasattr(value, "magnitude"):
         return np.asarray(None)

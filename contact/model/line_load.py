@@ -258,7 +258,7 @@ _POINTS, _TO_SERIES = _chebyshev_transform(OPTIONS.nodes)
 
 
 def _integrated(series: Array, half: Array) -> Array:
-    """Chebyshev series on each panel of a function's primitive, which is 0 at 0.
+    """The primitive of a function, as one Chebyshev series on each panel; it is 0 at 0.
 
     series: the Chebyshev series of the function itself; half: half widths of the panels. The first
     panel begins at 0.

@@ -120,7 +120,7 @@ class Operator(sie.Kept):
     def has_inverse(self) -> bool:
         """Whether the pressure can be computed from a given displacement.
 
-        If so, there are full contact and the gap formulation.
+        If so, full contact and the gap formulation are available.
         """
         return self.excess is not None
 
@@ -337,9 +337,9 @@ class Operator(sie.Kept):
 
     @cached_property
     def strip_rest(self) -> Rest | None:
-        """Function for the smooth part of the potential of a uniform strip load and its images.
+        """The function `rest` for a profile that is cut to one strip; it is defined up to a constant.
 
-        The potential is defined up to a constant. None on a half-plane.
+        None on a half-plane, and if the interaction gives its own kernel.
         """
         if self.is_own or self.smooth_part.is_zero:
             return None
@@ -428,7 +428,9 @@ def _crowded_nodes() -> tuple[Array, Array]:
 
 
 def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
-    """The kernel's potential Lambda(lag) minus ln|lag|; minus ln|lag / datum| without a period."""
+    """The kernel's potential Lambda(lag) without its logarithm.
+    The logarithm is ln|lag| with a period, and ln|lag / datum| without a period.
+    """
     out = np.zeros(np.shape(lag))
     if kernel.period is not None:
         out -= np.log(kernel.datum)

@@ -3,7 +3,7 @@
 The substrate gives the effect of a line load. A model says which other loads act with a line load:
 none, its copies in all periods, or its images in copies of a strip. A model may also add terms of
 unknown amplitude to the right side, with conditions that determine the amplitudes. Models work in
-scaled lengths: their methods get `period` and `unit`, the number of metres in a scaled length.
+scaled lengths: their methods get the scaled `period`, and `unit`, the metres in a scaled length 1.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Interaction(Named):
 
     Examples
     --------
-    A strip whose surroundings carry nothing.
+    A strip outside which no pressure acts.
 
     >>> import contact
     >>> import sie

@@ -41,7 +41,8 @@ class Localized(Interaction):
         an isolated contact of the same total width, as in the paper's worked examples;
         "self-consistent": the load of the strip itself.
     neighbours : int
-        Copies of the strip kept on each side; above 0 self-consistent only.
+        Number of copies of the strip on each side that are also solved exactly. It is 0 with
+        "first-order".
 
     Raises
     ------

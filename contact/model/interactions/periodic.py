@@ -12,8 +12,8 @@ class Periodic(Interaction):
     """A periodic contact: the kernel sums the line loads of all periods. On a half-plane it is
     (pi/L) cot(pi (x - xi)/L), with L the period (Shtaerman 1949).
 
-    The approach counts from min f = 0, with f the profile, and from a mean displacement of 0. On a
-    substrate with a base, displacements count from the base.
+    The approach is zero at first touch, and the displacements have zero mean. On a substrate with a
+    base, displacements count from the base.
 
     Examples
     --------

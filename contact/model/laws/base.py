@@ -49,8 +49,8 @@ class Equilibria:
     If there are several at one value, a branch of equilibria starts from the contact under another
     law (`start`).
 
-    unique: whether a contact with right signs of pressure and gap is the only one. start: if there
-    are several equilibria, a law under which the zones lie within the zones of the growing contact.
+    unique: whether a contact with right signs of pressure and gap is the only one. start: another
+    law, if there are several equilibria. Its zones lie within those of the growing contact.
     """
 
     unique: bool
@@ -207,7 +207,7 @@ class Law(Named, sie.Kept):
     def completed(
         cls, parameters: Mapping[str, Any], moduli: Mapping[str, float]
     ) -> Mapping[str, Any]:
-        """The parameters of the law in a scene file, with parameters that follow from the moduli.
+        """The law's parameters from a scene file, and further ones that follow from the moduli.
         This base class adds none.
 
         moduli: E1, nu1 and perhaps E2, nu2 of the scene file, or E_star alone.

@@ -4,8 +4,8 @@ The work of adhesion is stress times reach.
 
 D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; in the
 plane J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406, doi
-10.1163/156856197X00778. The tension of D. S. Dugdale, J. Mech. Phys. Solids 8 (1960) 100-104, doi
-10.1016/0022-5096(60)90013-2.
+10.1163/156856197X00778. The constant tension is due to D. S. Dugdale, J. Mech. Phys. Solids 8
+(1960) 100-104, doi 10.1016/0022-5096(60)90013-2.
 """
 
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ from contact.model.registry import register_law
 @register_law("dugdale")
 @dataclass(frozen=True)
 class Dugdale(Law):
-    """Adhesion of a finite range: a constant stress up to a gap of work/stress.
+    """Adhesion of finite range: the tension `stress` acts where the gap is below work/stress.
 
-    For large stresses the contact tends to that under JKR's law, for small stresses to that of a
+    For large `stress` the contact tends to that under JKR's law, for small `stress` to that of a
     rigid body. The contact may have several equilibria;
     `contact.solve(scene, branch="advancing" | "receding")` says which one is meant
     (docs/adhesion.md).
@@ -38,7 +38,7 @@ class Dugdale(Law):
     Examples
     --------
     A cylinder of radius R under no load: pi E* a^2/(4 R) = 2 s sqrt(c^2 - a^2), with a the half
-    width of the zone, c the distance from the axis to the end of the tension, and s the stress.
+    width of the zone, c the distance from the axis at which the tension ends, and s the stress.
 
     >>> import contact
     >>> import numpy as np

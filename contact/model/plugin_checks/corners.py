@@ -1,4 +1,4 @@
-"""Corners of a profile: declared kinks against the slope, and corners that nobody declares.
+"""Corners of a profile: checks of declared kinks, and a search for corners that are not declared.
 
 A strong corner is enclosed by halving intervals towards the larger change of the slope. A faint
 corner stands out in differences of sixth order, in which smooth parts vanish. A smooth but sharp
@@ -97,8 +97,8 @@ def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float,
 def _sharp_slope(
     profile: Profile, width: float, x: Array
 ) -> tuple[Callable[[Array], Array], float, float]:
-    """The slope as a function, its least distance from corners, and its round-off.
-    At smaller distances from a corner than the least distance, the function is wrong.
+    """(slope, reach, rounding): the slope as a function, and the round-off of its values.
+    The function is not to be used at distances below `reach` from a corner.
     """
     if not profile.slope_is_derived:
         return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width, 0.0

@@ -1,7 +1,7 @@
 """Check of the form of a user's profile, once, when a scene is made.
 
-A wrong shape is named here, and does not come up as an error of numpy's in the middle of a
-solution. Whether the values agree with each other is for `contact.testing.check_profile`.
+A wrong shape of an array is reported here. Otherwise numpy would raise an error in the middle of a
+solution. `contact.testing.check_profile` checks whether the values agree with each other.
 """
 
 from __future__ import annotations

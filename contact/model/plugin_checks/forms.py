@@ -224,7 +224,7 @@ class AuthorMethod(NamedTuple):
     def value(self, method: Callable[..., Any], *arguments: Any) -> Any:
         """The value that the method returns; SceneError if the method raises an exception.
 
-        The package's own methods are called directly: the guard takes a few microseconds.
+        Methods of `contact` itself are called directly, which saves a few microseconds.
         """
         owner = getattr(method, "__self__", None)
         if owner is not None and not is_own(owner):
@@ -284,10 +284,10 @@ def require_law(law: Law, E_star: float) -> None:
 
 
 def held_by(control: Control, scene: Any) -> Held | None:
-    """The quantity that the solver prescribes under a control; None if the solver must search
-    for it.
+    """The quantity that the solver prescribes under a control.
+    None if the solver must search for the load at which the controlled quantity has its value.
 
-    Raises SceneError where the control has neither `held` nor `of`.
+    Raises SceneError if the control defines neither `held` nor `of`.
     """
     if not is_own(control):
         return control.held(scene)

@@ -1,4 +1,4 @@
-"""Jumps of derivatives and algebraic points of a profile, seen from its values.
+"""Jumps of a profile's derivatives, and its algebraic points, estimated from values of the profile.
 
 Jumps of f', f'' and f''' at a place s are estimated from values on its two sides. On either side a
 polynomial goes through the values at distances h, 2h, ... from s and is differentiated at s. The
@@ -24,8 +24,8 @@ from sie import Array, Mask
 class CheckOptions:
     """Tolerances by which checks tell a user's true declarations (kinks, ...) from false ones.
 
-    points: number of points on either side of a place. Also the order of the differences that
-        separate powers from smooth parts.
+    points: number of points on either side of a place from which jumps are estimated. Also the
+        order of the differences that separate powers of the distance from smooth parts.
     unchanged: largest relative change of a jump between two distances from which it is estimated.
         Also the largest relative round-off of such an estimate, and the largest relative error of a
         declared jump that is small.

@@ -142,7 +142,9 @@ def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
     """Raise SceneError if the symbol of the kernel is not positive, or differs from the declared
     one.
 
-    The symbol is L_n = 1 - 2 n int rest cos(2 pi n u) du.
+    Lengths are in units of the period. With u = x - xi, the symbol at harmonic n is
+    L_n = 1 - 2 n int rest(u) cos(2 pi n u) du. Here `rest` is the potential of the kernel minus the
+    potential of line loads on a half-plane.
     """
     places = SYMBOLS.harmonics
     harmonics = isqrt(places)

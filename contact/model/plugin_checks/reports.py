@@ -81,8 +81,8 @@ def check_profile(
     profile : Profile
         The profile.
     window : (float, float) or None
-        Interval that is checked [m]; None: the profile's support, extent or cell, or an interval
-        about 0 with a length among its fields.
+        Interval that is checked [m]; None: the profile's support, extent or cell. If it has none of
+        these: an interval about 0 whose half width is a length in the profile.
     raises : bool
         Whether a fault is raised, or only reported.
 

@@ -29,7 +29,7 @@ AT_ORIGIN.setflags(write=False)
 def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
     """Move places that round-off has put just outside an interval onto its ends.
 
-    A corner that is reached by arithmetic still belongs to the body.
+    A corner whose place is computed with round-off still belongs to the body.
     """
     lo, hi = ends
     return np.where(

@@ -2,8 +2,7 @@
 
 The contact of two elastic bodies depends on their gap and on E* alone (K. L. Johnson, Contact
 Mechanics, 1985, doi 10.1017/CBO9781139171731, section 4.1): two rough faces act as one rough face
-on a flat one, whose heights are the sum of the two heights. f1 and f2 grow away from contact:
-heights of each body are counted towards the other body.
+on a flat one. f1 and f2 are the gaps [m] of each body alone over a flat, and f is their sum.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -52,8 +51,8 @@ class Combined(Profile):
     Raises
     ------
     SceneError
-        If one of them is no profile of one body, the periods have none in common, or the bodies do
-        not face each other on one stretch.
+        If `profile` or `counter` is not the profile of one body, the two periods have no common
+        multiple, or the bodies do not face each other on one interval.
 
     Examples
     --------

@@ -417,8 +417,7 @@ class DetailOptions:
     """Options for the search for a shape's smallest length, by a Chebyshev series of samples.
 
     samples: number of places at which slopes are sampled for their largest value and mean square.
-        It is also the number at which values must be numbers, and at which claims are checked. A
-        factor of two changes no answer.
+        Claims of users' profiles are checked at as many places. A factor of two changes no answer.
     max_samples: largest number of heights in a search.
     counts: terms of the slope's series below this fraction of the largest one are neglected.
     counts_of_sharp: replaces `counts` if the series has not converged, as for shapes with corners.

@@ -1,9 +1,9 @@
 """Noise of a function: rounding of heights with a large constant, or of places far from x = 0.
 
 In a difference of high order of values at equally spaced places, the smooth part vanishes and only
-the noise remains. If the noise of the values is independent, the difference of order k has
-(2k)! / k!^2 times its variance (J. J. More & S. M. Wild, Estimating Computational Noise, SIAM J.
-Sci. Comput. 33, 2011, 1292, doi 10.1137/100786125).
+the noise remains. If the noise of the values is independent, the variance of the difference of
+order k is (2k)! / k!^2 times the variance of the noise (J. J. More & S. M. Wild, Estimating
+Computational Noise, SIAM J. Sci. Comput. 33, 2011, 1292, doi 10.1137/100786125).
 """
 
 import math
