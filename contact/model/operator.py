@@ -337,7 +337,7 @@ class Operator(sie.Kept):
 
     @cached_property
     def strip_rest(self) -> Rest | None:
-        """The function `rest` for a profile that is cut to one strip; it is defined up to a constant.
+        """The function `rest` for a profile that is cut to one strip, up to a constant.
 
         None on a half-plane, and if the interaction gives its own kernel.
         """

@@ -5,10 +5,10 @@ The material enters only through the reduced modulus, equation (2) of Goryacheva
     1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
 
 The control is the one quantity that is given: load [N/m], mean pressure [Pa], approach [m], half
-width [m] or contact fraction [1]. A body alone on a half-plane may also be turned. A given `tilt`
-[rad] makes the gap at zero load f(x) - tilt x; a given `moment` of the pressure, int p x dx [N],
-makes the tilt an unknown. Units are SI. Everything is checked when the scene is made, so that the
-solver need not check it again.
+width [m] or contact fraction [1]. An isolated body may also be turned. A given `tilt` [rad] makes
+the gap at zero load f(x) - tilt x; a given `moment` of the pressure, int p x dx [N], makes the tilt
+an unknown. Units are SI. Everything is checked when the scene is made, so that the solver need not
+check it again.
 """
 
 from dataclasses import KW_ONLY, dataclass, replace
@@ -267,7 +267,9 @@ class Scene(NamesArguments, sie.Kept):
         return REGISTERED.find(name)(getattr(self, name))
 
     def held(self, quantity: Quantity) -> float | None:
-        """The SI value that the solver prescribes for `quantity`; None if it prescribes none."""
+        """The SI value that the control prescribes for `quantity`.
+        None if the solver does not prescribe this quantity directly.
+        """
         held = self.control_object.held(self)
         return held.value if held is not None and held.quantity is quantity else None
 

@@ -267,10 +267,10 @@ def _under(place: str, read: Callable[..., T], *given: Any) -> T:
 def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
     """The text of a scene file that describes this scene.
 
-    written: tables [profile] and [counter] as a file gave them, where they name a file of points;
-    otherwise all numbers are written. Tables [material] and [law] as a file gave them keep its
-    keys, such as E1 and nu1 in place of E_star. Raises SceneError where a part has no name that a
-    scene file could use.
+    written: tables of the scene file from which the scene was read. If [profile] or [counter] names
+    a file of points, the text names this file, too; otherwise it has all points. The tables
+    [material] and [law] keep their keys, such as E1 and nu1 in place of E_star. Raises SceneError
+    if a part has no name that a scene file could use.
     """
     bodies = scene.profile.bodies
     parts = (

@@ -1,4 +1,4 @@
-r"""The symbol L(q) of an elastic body: checked, over the harmonics of a period, and as a kernel.
+r"""The symbol L(q) of an elastic body: a check, its values for a period, and its kernel.
 
 A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q). L is the compliance of
 the surface divided by that of a half-plane, and tends to 1 for short waves. With

@@ -31,7 +31,7 @@ class Tangential:
     bulk_stress : float
         Bulk stress [Pa], for partial slip.
     leading : str
-        "right" or "left", for rolling.
+        "right" or "left", for rolling: the side to which the contact moves.
     """
 
     friction: float

@@ -86,7 +86,7 @@ class Power(Profile):
             return np.asarray(self.coefficient * np.abs(self.wrap(x)) ** self.exponent)
 
     def slope(self, x: ArrayLike) -> Array:
-        at = np.asarray(self.wrap(x), dtype=np.float64) + 0.0  # -0.0 has the sign of 0.0
+        at = np.asarray(self.wrap(x), dtype=np.float64) + 0.0  # turns -0.0 into 0.0
         with np.errstate(over="ignore"):
             return np.copysign(
                 self.coefficient * self.exponent * np.abs(at) ** (self.exponent - 1.0), at

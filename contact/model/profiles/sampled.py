@@ -1,7 +1,7 @@
 """A measured profile: the interpolating cubic spline, f = max(height) - height(x).
 
 The spline is C2, periodic or with the not-a-knot condition at both ends (C. de Boor, A Practical
-Guide to Splines). Nothing is smoothed: the measured points are what is pressed.
+Guide to Splines). Nothing is smoothed: the spline passes through all measured points.
 """
 
 from __future__ import annotations
@@ -117,24 +117,24 @@ def read_trace(
         left out; None: it is refused.
     missing : str, float or None
         What stands in the file for a missing height, besides empty cells, nan, #N/A, No Data and
-        the like; "-32768" is the number.
+        the like. A text such as "-32768" means the number.
     sort : bool
-        Whether points out of order are sorted by position; positions that descend throughout are
-        turned round without it.
+        Whether points out of order are sorted by position. Positions that descend throughout are
+        always reversed.
     lambda_s, lambda_c : float or None
         Cut-offs of Gaussian filters [m] (ISO 16610-21): shorter waves than lambda_s, and longer
         ones than lambda_c, are filtered out.
     channel : str, int or None
-        Name of the channel, or its number from 0 among those of heights, where an instrument's file
-        has several.
+        Which channel of an instrument's file is read: its name, or its number, from 0, among the
+        channels of heights.
     line : int, or two points, or None
-        The line of a map, which a text file gives as rows of x, y and z on a grid: its number from
-        0, or its end points `[[x, y], [x, y]]` in metres.
+        Which line of a map is read: its number, from 0, or its end points `[[x, y], [x, y]]` in
+        metres. A text file gives a map as rows of x, y and z on a grid.
     along : str or None
         "x" (as if left out) or "y": the direction of a numbered line.
     invert : bool or None
-        Whether heights are turned upside down. None: they are not; they are refused where the
-        header calls them depths.
+        Whether heights are turned upside down. None: they are not turned, and they are refused if
+        the header calls them depths.
 
     Returns
     -------
@@ -150,8 +150,9 @@ def read_trace(
     Warns
     -----
     ModelWarning
-        If length, pitch or heights are not those of a surface, positions may be a count, a height
-        may stand for none or is a spike, or more than a tenth of the heights is missing.
+        If length, pitch or heights are unlike those of a surface, if positions may only count the
+        points, if a height may mark a missing one or is a spike, or if more than a tenth of the
+        heights is missing.
 
     Examples
     --------
@@ -179,7 +180,7 @@ class Sampled(Profile):
     period is given, the points are those of one period.
 
     A last point one period after the first is dropped if it repeats the first height. Without a
-    period the profile is known between its first and last point only (`extent`): outside it is nan.
+    period the profile is known only between its first and last points (`extent`): f is nan outside.
     The parameter `height` is stored as `heights` because `height(x)` is f for every profile.
     `history` says what was done to a file's points, `warnings` what is doubtful about them.
     `contact.read_trace` (and `Sampled.from_file`) reads a file.
@@ -267,7 +268,7 @@ class Sampled(Profile):
         Warns
         -----
         ModelWarning
-            If lengths or heights are not those of a surface, as for `contact.read_trace`.
+            If lengths or heights are unlike those of a surface, as for `contact.read_trace`.
 
         Examples
         --------

@@ -1,9 +1,9 @@
 """The base class of substrates: an elastic body, given by its symbol alone.
 
 A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q). The symbol L is the
-compliance of the surface divided by that of a half-plane, and tends to 1 for short waves. The
-symbol gives the kernel, the multiplier of the grid, full contact, and whether a uniform pressure
-causes a finite displacement (contact.model.operator).
+compliance of the surface divided by that of a half-plane, and tends to 1 for short waves. From the
+symbol follow the kernel, the displacements on a grid, the pressure in full contact, and whether a
+uniform pressure causes a finite displacement (contact.model.operator).
 """
 
 from collections.abc import Mapping

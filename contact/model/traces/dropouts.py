@@ -55,7 +55,9 @@ _LIMITS = WarningLimits()
 
 
 def no_height(cell: str, missing: Any) -> bool:
-    """Whether the text in a cell of a table stands for a missing height."""
+    """Whether the text in a cell of a table stands for a missing height.
+    `missing` is a further text for missing heights that the user gives, or None.
+    """
     lower = cell.lower()
     named = isinstance(missing, str) and lower == missing.strip().lower()
     return named or lower in _WORDS or _NO_NUMBER.fullmatch(cell) is not None

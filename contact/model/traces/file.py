@@ -54,9 +54,9 @@ _GROUPED = re.compile(r"(?<![\d.,])\d{1,3}([.,' \xa0\u202f])\d{3}(\1\d{3})*[.,]\
 class Header:
     """Units and names that the header of a file gives for the wanted columns.
 
-    line: the line with the units, 0 without any; units: of the columns, None for a column without
-    one; depth: the name of the heights if it means depths; remark: line and word of a unit that
-    belongs to no column.
+    line: number of the line with the units, 0 if no line has units; units: one for each column,
+    None for a column without a unit; depth: the name of the heights if it means depths; remark:
+    line number and word of a unit that belongs to no column.
     """
 
     line: int
@@ -67,7 +67,7 @@ class Header:
 
 @dataclass(frozen=True)
 class Table:
-    """The numbers in the wanted columns (n, 1 to 3), their line numbers, and the header."""
+    """The numbers in the wanted columns (n rows, 1 to 3 columns), line numbers, and the header."""
 
     values: Array
     lines: NDArray[np.int64]

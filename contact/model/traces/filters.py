@@ -19,8 +19,8 @@ from contact.model.units import quantity
 from sie import Array
 
 ALPHA = sqrt(log(2) / pi)
-# Half width of the Gaussian weights, in cut-off wavelengths. Outside it, weights are below the
-# round-off of the largest one.
+# Distance up to which the Gaussian weights are used, in cut-off wavelengths. Weights at larger
+# distances are below the round-off of the largest weight.
 _REACH = ALPHA * sqrt(-log(EPS) / pi)
 # Largest deviation from equal spacing, relative to the pitch, that is neglected.
 MAX_UNEVENNESS = 1e-3

@@ -36,8 +36,8 @@ ALONG = ("x", "y")
 
 
 def is_instrument_file(path: Source) -> bool:
-    """Whether a file has an instrument's own format, judged by its ending or also its first
-    bytes.
+    """Whether a file has an instrument's own format.
+    It is judged by the ending of its name and, unless this decides, by its first bytes.
     """
     ending = (path.ending if isinstance(path, Given) else Path(path).suffix)[1:].lower()
     if isinstance(path, Given) and not ending:

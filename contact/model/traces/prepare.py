@@ -193,7 +193,9 @@ def _left_out(keys: Mapping[str, Any], why: str) -> None:
 
 
 def _surface(surface: Any, channel: Any, line: Any, along: Any) -> Reading:
-    """The points of a line scan of SurfaceTopography, or of one line of a map of this package."""
+    """The points of a line scan, or of one line of a map, from the package SurfaceTopography.
+    `surface` is the package's object for the line scan or the map.
+    """
     given = Given(f"the {type(surface).__name__}", type(surface).__name__)
     if channel is not None:
         raise SceneError.of("channel", channel, "left out: this is one channel already")
@@ -205,7 +207,7 @@ def _surface(surface: Any, channel: Any, line: Any, along: Any) -> Reading:
 
 
 def prepared(reading: Reading, by: Preparation) -> Trace:
-    """The trace that results from preparing the points of a file."""
+    """The trace that results from preparing the points of a file or of arrays."""
     path, x, height, lines, said = (
         reading.path,
         reading.x,
