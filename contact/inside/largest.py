@@ -32,7 +32,7 @@ class LargestOptions:
     # per cent. After the scan, the search therefore refines the places of the largest stress.
     depth_ratio: float = 1.3
     places_per_depth: float = 2.0  # places scanned in a length equal to the depth
-    # Samples of the pressure in the smallest length over which the profile varies.
+    # Number of samples of the pressure in the smallest length over which the profile varies.
     samples_per_length: float = 4.0
     zone_samples: int = 24  # least number of samples of the pressure on a zone
     # Least depth of the scan, divided by the length over which the pressure varies. Below a smooth
@@ -193,9 +193,10 @@ def peaks(body: Body, criterion: Criterion) -> list[Peak]:
 
 
 def _at_corners(body: Body, criterion: Criterion) -> list[Peak]:
-    """The largest stresses beside sharp corners in contact, where the pressure is at its limit.
+    """The largest stresses beside sharp corners in contact, if the law limits the pressure.
 
-    The plateau there may be far narrower than the smallest depth of the scan.
+    The interval at a corner in which the pressure is at its limit may be far narrower than the
+    smallest depth of the scan.
     """
     limits, support = body.scene.law.pressure_range, body.scene.profile.support
     if support is None or not limits.has_limit:

@@ -32,7 +32,8 @@ class YieldOptions:
     # heights counts as closed, which shifts this load: two searches from different loads differed
     # by 2e-6.
     touch_error: float = 1e-5
-    # Smallest factor on the given control. If the stress is infinite even there, the load is 0.
+    # Smallest factor on the given value of the control. If the stress is infinite even under this
+    # smallest value, the load of first yield is 0.
     least_ratio: float = 1e-6
 
 
@@ -84,7 +85,7 @@ def first_yield(
 ) -> Yield:
     """Find the load of first yield by changing the value of the scene's control.
 
-    at: the solution under another value of the control (`changed_control`).
+    at: a function that returns the solution under another value of the control `changed_control`.
     """
     check(strength, criterion)
     search = _Search(at, strength, criterion)
@@ -294,7 +295,7 @@ class _Search:
 
     def _trial(self, level: float) -> Point | None:
         """The contact under a load; None if there is none, or none is found.
-        Under very small loads, the round-off of heights may refuse the scene (SceneError).
+        Under very small loads, a scene may be refused because of the round-off of heights.
         """
         try:
             return self.solve(level)

@@ -172,7 +172,7 @@ class ContactRates(sie.Kept):
 
     @cached_property
     def following(self) -> Array:
-        """Derivatives (3,) of centre, nominal pressure and load by the load.
+        """Derivatives (3,) of the strip's centre, the nominal pressure and the load, by the load.
         The two conditions of `matrix` stay satisfied as the load changes.
         """
         return np.append(

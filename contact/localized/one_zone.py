@@ -37,7 +37,9 @@ Search = Callable[[Problem, Control, Array | None], SolvedZones]
 class WidthOptions:
     """Options of Newton's method for the contact width, if the contact is one zone."""
 
-    widest: float = 0.9998  # fraction of the period; for wider zones the right side is not resolved
+    # Largest width of the zone, relative to the period. For wider zones, the right side of the
+    # equation is not resolved.
+    widest: float = 0.9998
 
     @property
     def converged_step(self) -> float:

@@ -51,7 +51,7 @@ Strip = Callable[[Problem, Control, Array | None], SolvedZones]
 class ClosureOptions:
     """Options of the search for the nominal pressure of a strip with several zones."""
 
-    widening: float = 1.5  # factor to the next nominal pressure while the root has no bracket
+    widening: float = 1.5  # factor between trial nominal pressures while the root has no bracket
     # If Newton's steps from both ends of the bracket exceed this many bracket widths, W - W0 is
     # assumed to jump across zero. W and W0 are the total widths at the head of this module.
     jump: float = 3.0

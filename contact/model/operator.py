@@ -1,6 +1,6 @@
-r"""`Operator`: what the pressure does to the surface, from the interaction and the substrate.
+r"""`Operator`: how a pressure displaces the surface, from the interaction and the substrate.
 
-All of its parts follow from the symbol L of the substrate (l is the period, r = x - xi):
+All parts of the operator follow from the symbol L of the substrate (l is the period, r = x - xi):
 
     kernel        of a line load: 1/r + int (L - 1) sin(qr) dq (contact.model.line_load), alone or
                   with the images of a strip; of all periods: Hilbert's kernel plus
@@ -149,14 +149,16 @@ class Operator(sie.Kept):
 
     @property
     def compression(self) -> float | None:
-        """Displacement under a uniform pressure p, divided by 2 p / E* [m]; None if the substrate
-        does not define this displacement.
+        """The length c [m]: a uniform pressure p displaces the surface by 2 p c / E*.
+        None if the substrate does not define this displacement.
         """
         return None if self.is_own else self.substrate.compression
 
     @property
     def smooth_part(self) -> SmoothPart:
-        """Smooth part of the kernel of a line load on the substrate: the kernel minus 1/r."""
+        """Smooth part of the kernel of a line load on the substrate: the kernel minus 1/r, with r
+        the distance from the load.
+        """
         return self.substrate.smooth_part
 
     @property

@@ -334,8 +334,8 @@ class Scene(NamesArguments, sie.Kept):
             )
 
     def _named(self, control: Control) -> Control | None:
-        """The package's own control for the quantity that a user's control prescribes.
-        It is None if the package has no such control, as for a width without a period.
+        """The built-in control for the quantity that a user's control prescribes.
+        None if there is no such built-in control, as for a width without a period.
         """
         held, period = held_by(control, self), self.profile.period
         if held is None or (held.quantity is Quantity.WIDTH and period is None):

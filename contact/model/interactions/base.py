@@ -45,7 +45,7 @@ class Interaction(Named):
     neighbours : int
         Number of copies of the strip, on each side, that are included in the kernel.
     turns : bool
-        Whether there is one body alone, to which a tilt or a moment may be given.
+        Whether the body may be tilted, by a given angle or a given moment.
     follows_isolated : bool
         Whether the amplitude of the first term in `columns` is the mean pressure of the isolated
         contact of the same total width.

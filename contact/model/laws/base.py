@@ -1,4 +1,4 @@
-"""`Law`, the base of the laws of the interface, and the three objects that the package asks it for.
+"""`Law`, the base of the laws of the interface, and the three objects by which a law is used.
 
 A law declares the edge intensity K: the pressure is p ~ K / sqrt(d) at the distance d from the end
 of a zone. A law also answers one question each for the certificate, the search and the solver:
@@ -7,7 +7,7 @@ of a zone. A law also answers one question each for the certificate, the search 
     equilibria       one contact for a load, or several, and the law whose contact starts a branch
     routes           which formulations hold, or the module that solves scenes under this law
 
-No other module knows a law by its name.
+The certificate, the search and the solver know no law by its name.
 """
 
 from collections.abc import Mapping
@@ -89,9 +89,9 @@ class Routes:
 class Law(Named, sie.Kept):
     """Base of the laws of the interface. A law is a frozen dataclass in a file of its own.
 
-    The attributes below are what most laws declare; the package reads them through
-    `pressure_range`, `equilibria` and `routes`, which a law may override. The default value of each
-    attribute is the cautious choice.
+    Most laws declare only the attributes below. The solver uses `pressure_range`, `equilibria` and
+    `routes`, which follow from these attributes, and which a law may override. The default value of
+    each attribute is the cautious choice.
 
     Attributes
     ----------

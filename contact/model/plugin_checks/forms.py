@@ -149,7 +149,7 @@ _METHODS: dict[type, dict[str, tuple[str, ...]]] = {
 
 
 def is_own(part: Any) -> bool:
-    """Whether the class of a part was written by a user, outside this package."""
+    """Whether the class of a part was written by a user: it is not in the package `contact`."""
     return not type(part).__module__.startswith("contact.")
 
 

@@ -263,10 +263,11 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
 
 
 def _missing_power(profile: Profile, s: float, room: float, n: Array, c: Array) -> float:
-    """Relative deviation of the function's differences from those of the declared powers.
+    """Relative deviation of differences of the profile from those of the declared powers.
 
-    Steps are halved again and again, and the smallest deviation is returned. The result is 0 if
-    round-off hides the powers at all steps for which the smooth part is negligible.
+    The differences are of high order, on one side of the place s. Steps are halved again and again,
+    and the smallest deviation is returned. The result is 0 if round-off hides the powers at all
+    steps for which the smooth part is negligible.
     """
     derived = profile.slope_is_derived
     function = profile.height if derived else profile.slope

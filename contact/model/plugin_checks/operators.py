@@ -1,9 +1,10 @@
-"""Check that a user's interaction or substrate is one elastic body.
+"""Check that a user's interaction or substrate describes an elastic body.
 
 An interaction gives an elastic operator in several forms that must agree. The kernel must be an odd
-function of x - xi alone: a load at xi acts on x as a load at x acts on xi. The kernel must scale
-with the unit of length, be the derivative of its own potential, and repeat with the period or not
-at all. A declared symbol must be that of the kernel. Each claim is tested at a few places.
+function of x - xi alone: a load at xi displaces x as much as a load at x displaces xi. The kernel
+must scale with the unit of length, be the derivative of its own potential, and repeat with the
+period or not at all. A declared symbol must be that of the kernel. Each claim is tested at a few
+places.
 
 A substrate gives the symbol of an elastic body. The symbol must be real, finite and of the shape of
 q, for wavelengths from the size of an atom to that of a planet. It must be above zero, 1 for short

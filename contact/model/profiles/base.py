@@ -43,7 +43,7 @@ def _midpoints(lo: float, hi: float, count: int) -> Array:
 
 
 def is_of_package(profile: "Profile") -> bool:
-    """Whether the class of a profile, and those of the bodies in it, belong to this package."""
+    """Whether the classes of a profile and of the bodies in it belong to the package `contact`."""
     inner = getattr(profile, "profile", None)
     parts = [*profile.bodies.values(), *([inner] if isinstance(inner, Profile) else [])]
     return all(type(part).__module__.startswith("contact.") for part in (profile, *parts))

@@ -37,12 +37,12 @@ class VerdictOptions:
 
     nodes: number of Chebyshev points of an interval. 7 to 13 nodes give the same verdicts.
     ratio: length of an interval, relative to the next smaller one. A check of an interval also
-        holds for places on a part of it that is shorter by no more than this factor.
+        holds for a part of it, unless the part is shorter by more than this factor.
     differs: smallest discrepancy that is a contradiction, relative to the truncation and round-off
-        of heights and slopes.
+        errors of heights and slopes.
     counts: smallest discrepancy that is a contradiction, relative to the rise of the height.
-        Heights are used if their truncation and round-off, relative to their rise, are below the
-        square root of `counts`.
+        Heights are used if their truncation and round-off errors, relative to their rise, are below
+        the square root of `counts`.
     """
 
     nodes: int = 9

@@ -1,4 +1,4 @@
-"""The two columns of a trace in a text file of an instrument, a spreadsheet or a program.
+"""Reads the columns of a trace from a text file of an instrument, a spreadsheet or a program.
 
 The delimiter, the decimal mark, the columns and their units have to be recognized. A file that can
 be read in one way only is read in this way. A file that can be read in two ways is refused; the
