@@ -13,13 +13,13 @@ rule in log(eta), of step h, gives
 
 with an aliasing error of exp(-pi^2/h) relative to |y|^p, for all y (Trefethen, Weideman, SIAM
 Rev. 56, 2014, 385-458). Poles with eta above the half width are omitted: their field is smooth on
-the zone, so that the Chebyshev series of the zone represents it. The transform on the line maps c_k
-to i c_k, which gives the algebraic points of the wanted density.
+the zone, so that the Chebyshev series of the zone represents it. The transform on the whole line
+maps c_k to i c_k. So a density with such points causes a right side with the coefficients i c_k.
 
 Let t = (x - middle)/w be the position of a point x in half widths w, z the position of a pole, and
 rho = z - (z^2 - 1)^(1/2), q = -2 c / (z^2 - 1)^(1/2). For a point off the zone, rho_x is rho with t
-in place of z. The density of a pole, its transform off the zone, and its potential off the zone
-without the term c_0 log(w) are
+in place of z. Let c_0 be the integral of a density divided by pi w. The density that a pole causes,
+its transform off the zone, and its potential there, divided by w and without c_0 log(w), are
 
     Re (q/2) (1 - t^2)^(1/2) / (z - t),     Re q rho rho_x / (1 - rho rho_x),
     Re (q/2) ((rho - 1/rho) log(1 - rho rho_x) - rho_x - rho log(2 |rho_x|)).
@@ -180,7 +180,7 @@ class Poles(PerZone):
         of_density: bool = False,
     ) -> "Poles":
         """The poles that represent all algebraic points in zones or close to zones.
-        Close to an algebraic point, the function is a power of the distance.
+        Close to an algebraic point, the right side or the density is a power of the distance.
 
         of_density: whether the points are those of the wanted density, not of the right side.
         """
@@ -225,14 +225,14 @@ class Poles(PerZone):
         return np.asarray(-2.0 * self.size / (p * m))
 
     def summed(self, zone: Index, of: Callable[[Index, Index], Array]) -> Array:
-        """For each point, the real part of a sum over the poles of the zone of this point.
+        """For each point, a sum of terms over the poles of the zone that contains the point.
 
-        of(points, poles): the term of each pair.
+        of(points, poles): the real term of each pair of a point and a pole.
         """
         return self.grouped.summed(zone, np.ones(len(self.zone)), of)
 
-    # The methods below give values at points (n,). A point is given by its zone and by its
-    # distances from the zone's ends, in half widths.
+    # The methods below give fields of the poles' density at points (n,). A point is given by its
+    # zone and by its distances from the zone's ends, in half widths.
     def _past(self, at: Index, k: Index, left: Array, right: Array) -> Complex:
         """The differences t - z of points t and poles z, computed from the end nearer to t."""
         past = np.where(left[at] <= right[at], left[at] - self.left[k], self.right[k] - right[at])
@@ -342,17 +342,17 @@ class Poles(PerZone):
     def mean_offsets(self, zones: int) -> Array:
         """Contribution of the poles to the mean of the right side's primitive on each zone.
 
-        In the Chebyshev series of the right side, T_1 contributes -1/4, and T_j with odd j > 1
-        contributes 1 / (j^2 - 1), times its coefficient.
+        The mean is that of `ForcingJumps.mean_offsets`. Each odd term c_j T_j of the right side's
+        Chebyshev series contributes to it: -c_1 / 4 for j = 1, and c_j / (j^2 - 1) for j > 1.
         """
         p, m = self.roots
         parts = 0.25 * self.q * (1.0 / self.rho - self.rho) * np.log(4.0 * p * m / (p + m) ** 2)
         return np.asarray(np.bincount(self.zone, parts.real, zones), dtype=float)
 
     def edge_slopes(self, zones: int) -> tuple[Array, Array]:
-        """(at left ends, at right ends of the zones) slopes of the poles' density.
+        """Slopes of the poles' density at the zones' ends: (at left ends, at right ends).
 
-        A slope is the derivative with respect to the angle from the end.
+        A slope is the derivative of the density by the angle from the end.
         """
         p, m = self.roots
         left, right = (0.5 * self.q / root**2 for root in (p, m))
@@ -365,11 +365,12 @@ class Poles(PerZone):
         """Round-off of the sum over the poles of each zone."""
         return np.asarray(np.bincount(self.zone, 2.2e-16 * np.abs(self.q), zones), dtype=float)
 
-    # The methods below give values at complex points (see `sie.density.plane`).
+    # The methods below give fields at complex points (see `sie.density.plane`).
     def in_plane(self, k: Index, seen: InPlane, what: What) -> Complex:
         """Transform, its derivative by zeta, or potential, of the density of the poles k.
 
-        The potential is divided by the half width w and lacks the term c_0 log(w).
+        The potential is divided by the half width w. The term c_0 log(w) is left out, with c_0 the
+        integral of the density divided by pi w.
         """
         at, rho = seen.rho[:, None], np.concatenate((self.rho[k], np.conj(self.rho[k])))
         weight = 0.5 * np.concatenate((self.q[k], np.conj(self.q[k])))

@@ -15,7 +15,8 @@ the density (h/pi) (t - s)^q kappa(t) has the transform, on the zone and off it,
 P_q follows from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa, with tau the
 variable of integration. The potentials follow from integration by parts. Off the zone let F be the
 angle 2 Im(-ln(1 - rho e^{i phi})), with dF/dz = -sin(phi) / ((z - s) |z^2 - 1|^(1/2)) sgn(z). On
-the zone let F = pi - phi right of s, and -phi left of s. Then the potentials are
+the zone let z be t, and let F = pi - phi right of s, and -phi left of s. Let c_0 be the integral of
+the density divided by pi w. Then the potentials, divided by w, are
 
     (h/pi) ((z - s)^{q+1} F/(q+1) + sin(phi) R_q) + c_0 ln(w),
     A = arcosh|z|, B = sgn(z) (z^2 - 1)^(1/2), both zero on the zone,
@@ -27,7 +28,8 @@ Where the q-th derivative of the right side g jumps by J, h is J w^q / q!. Once 
 these densities is subtracted, the right side is smooth. If g is the slope of a profile, q = 0 is a
 kink, q = 1 a jump of the curvature, q = 2 a knot of a cubic spline.
 
-The jumps, splines, poles and nearby logarithms of a zone are its closed-form parts.
+The jumps, splines, poles and nearby logarithms of a zone are its closed-form parts. The density
+that they cause is the closed-form density.
 """
 
 from collections.abc import Callable, Iterator
@@ -52,11 +54,11 @@ from sie.jumps.spline import ConjugateSpline, QuadraticSpline, with_jumps
 # One spline replaces many jumps of order 2, that is, of the second derivative. It is a
 # ConjugateSpline for jumps of the right side, and a QuadraticSpline for jumps of the density. Both
 # classes have the same methods. A method raises ValueError if its spline has no closed form for the
-# quantity.
+# wanted quantity.
 Spline = QuadraticSpline | ConjugateSpline
 MakeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
-# Number of terms of a plain sum that take as long as one pair of a point and a jump, whose term has
-# a logarithm.
+# The term of one pair of a point and a jump has a logarithm. It takes as long as this number of
+# terms of a plain sum.
 _TERMS_OF_A_SHAPE = 16
 
 
@@ -66,7 +68,7 @@ class ForcingJumps(PlacedJumps):
 
     splines: the spline of each zone with very many jumps of order 2; it replaces most of them.
     poles: the poles of algebraic points in zones and close to them. logarithms: logarithmic terms
-    of the right side, which jumps of the density or its values at ends of zones cause.
+    of the right side, due to jumps of the density or to given values of the density at zone ends.
     """
 
     splines: dict[int, Spline] = field(default_factory=dict)
@@ -267,7 +269,7 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.density(zone, left, right) if len(self.near) else out
 
     def _densities(self, zone: Index, left: Array, right: Array) -> Array:
-        """Sum at each point of the densities of all jumps in its zone."""
+        """For each point, the sum of the densities that all jumps in the point's zone cause."""
         grouped, row = self.grouped, self.grouped.rows(zone)
         pairs = np.concatenate(([0], np.cumsum(grouped.count[row])))
         loops = compiled.loops("jump_sums", _TERMS_OF_A_SHAPE * int(pairs[-1]))
@@ -298,8 +300,8 @@ class ForcingJumps(PlacedJumps):
     def transform(self, zone: Index, seen: OnLine) -> Array:
         """Transform, on and off the zones, of the density of jumps, splines, poles and logarithms.
 
-        Off the zones the Chebyshev series of all jumps of a zone replaces the closed forms where it
-        is shorter, or where they cancel.
+        Off the zones one Chebyshev series of all jumps of a zone replaces the closed forms where
+        the series is shorter, or where the closed forms cancel each other.
         """
         out, off = np.empty(len(zone)), np.flatnonzero(~seen.on)
         on = np.flatnonzero(seen.on)
@@ -321,8 +323,9 @@ class ForcingJumps(PlacedJumps):
         return out + self.near.transform(zone, rho) + self.poles.transform(zone, rho)
 
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of the closed-form density on each zone, divided by the zone's half width w.
-        The term c_0 log(w) is left out, with c_0 the integral of the density divided by pi w.
+        """Potential at points due to the closed-form density of each point's zone, divided by w.
+        w is the half width of this zone. The term c_0 log(w) is left out, with c_0 the integral of
+        the density divided by pi w.
 
         The formulas are at the head of this file.
         """
@@ -354,7 +357,7 @@ class ForcingJumps(PlacedJumps):
         """For each point, the weighted sum of a function `of` over the jumps in the point's zone.
         The weight of a jump is its height h divided by pi.
 
-        of(points, jumps): values for pairs of a point and a jump; h: height of the jump.
+        of(points, jumps): values for pairs of a point and a jump.
         """
         return self.grouped.summed(zone, self.height / np.pi, of)
 
@@ -387,7 +390,7 @@ class ForcingJumps(PlacedJumps):
         return self._coefficients(OPTIONS.far_terms[self._length])
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Contribution of jumps, splines and poles to the mean of the right side's primitive.
+        """Contribution of the closed-form parts to the mean of the right side's primitive.
 
         It has one value for each zone, divided by the half width of the zone. The mean is over
         theta, and the primitive is shifted so that its values at both ends add up to zero.
@@ -476,11 +479,11 @@ class ForcingJumps(PlacedJumps):
         return out
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """An empty table (zones, 0): all terms of this density have a potential in closed form."""
+        """An empty table (zones, 0): the whole density here has a potential in closed form."""
         return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
-        """(at left ends, at right ends of the zones) slopes of the closed-form density.
+        """Slopes of the closed-form density at the zones' ends: (at left ends, at right ends).
 
         Close to an end, the density is the slope times the angle from that end: theta from a right
         end, pi - theta from a left end.
@@ -501,9 +504,9 @@ class ForcingJumps(PlacedJumps):
         return out[0], out[1]
 
     def _edge_slopes(self) -> tuple[Array, Array]:
-        """(at left ends, at right ends) slopes of each jump's density, as in `edge_slopes`.
+        """Slopes, as in `edge_slopes`, of the density of each jump: (at left ends, at right ends).
 
-        At the right end kappa ~ theta cot(phi/2).
+        Close to the right end, kappa is about theta cot(phi/2).
         """
         cot, scale = np.sqrt(self.left / self.right), self.height / np.pi
         return scale * (-self.left) ** self.order / cot, scale * self.right**self.order * cot
@@ -511,8 +514,8 @@ class ForcingJumps(PlacedJumps):
     def sharpest(self, zone: int) -> tuple[Array, Array]:
         """(distances from the left end, heights) of points where a zone's density is steepest.
 
-        They are the jumps of the lowest order in the zone, if it is 0 or 1, and algebraic points
-        with exponents below 1, whose height is infinite.
+        They are the jumps of the lowest order in the zone, if this order is 0 or 1, and algebraic
+        points with exponents below 1. The height of an algebraic point is infinite.
         """
         k = self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
         k = k[(self.order[k] == self.order[k].min(initial=2)) & (self.order[k] < HIGHEST)]
@@ -523,9 +526,10 @@ class ForcingJumps(PlacedJumps):
         )
 
     def left_out(self, x: Array) -> Array:
-        """Sum at points x (n,) of the logarithmic terms that the given right side does not contain.
+        """Sum at points x (n,) of the logarithmic terms that a user omits from the right side.
 
-        It is 0 if there are plateaus: their logarithms are minus the transform of the plateaus.
+        It is 0 if there are plateaus (stretches of constant density beside the zones). Then the
+        logarithmic terms are minus the transform of the plateaus, which the solver adds itself.
         """
         if self.logarithms is None or self.plateaus is not None:
             return np.zeros(x.shape)
@@ -544,7 +548,7 @@ class ForcingJumps(PlacedJumps):
             return np.zeros(x.shape)
         return self.logarithms.primitive_at(x.ravel()).reshape(x.shape)
 
-    # The methods below give values at complex points (see `sie.density.plane`).
+    # The methods below give fields at complex points (see `sie.density.plane`).
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """The logarithmic factor in the transform of each jump k, at complex points.
         It is -i log(B / A) with A = 1 - rho e^(i phi) and B = 1 - rho e^(-i phi). rho is zeta -

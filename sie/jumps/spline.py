@@ -10,22 +10,22 @@ blossom d_j = 2 f((u + v)/2) - (f(u) + f(v))/2 (L. Ramshaw, Comput. Aided Geom. 
 323-358). The sum of the B-splines inside the zone is nowhere larger than f. It has the jumps of f
 at all knots except the first three and the last three.
 
-`ConjugateSpline` is the density, bounded at both ends, whose transform is a spline g less its mean
-over theta. With t = cos(theta) it is the conjugate of g(cos(theta)),
+`ConjugateSpline` is the density, bounded at both ends, whose transform is a spline g minus the mean
+of g over theta. With t = cos(theta) this density is the conjugate of g(cos(theta)),
 
     sum_k g_k sin(k theta) = -(1/pi) PV int g / (t - tau) dtau
                              + (1/pi) int_0^pi g(cos(phi)) cot((theta + phi)/2) dphi.
 
-The first part is the transform of a `QuadraticSpline`. The second is analytic in theta. Off the
-zone the transform and the potential of this density are
+The first part is minus the transform of a `QuadraticSpline`. The second is analytic in theta. Off
+the zone the transform and the potential of this density are
 
     (2/pi) int g rho (cos(phi) - rho) / |1 - rho e^(i phi)|^2 dphi,
     (2/pi) int g sin(phi) arg(1 / (1 - rho e^(i phi))) dphi - rho g_0 - c_0 ln(2 |rho|),
 
-with g_0 the mean over phi of g, and c_0 that of g cos(phi). As functions of phi, the factors of g
-in these integrals are singular at the ends of the zone only. Panels that double in length away from
-the ends resolve these factors. On each panel g enters through a few moments. So the integrals are
-sums over some hundred nodes, whatever the number of knots.
+with g_0 the mean over phi of g, and c_0 the mean of g cos(phi). As functions of phi, the factors of
+g in these integrals are singular at the ends of the zone only. Panels that double in length away
+from the ends resolve these factors. On each panel g enters through a few moments. So the integrals
+are sums over some hundred nodes, whatever the number of knots.
 
 Positions are distances from the zone's left end, in half widths.
 """
@@ -69,8 +69,8 @@ class SplineOptions:
     # them. The number is smaller than `min_jumps`, because the round-off of n jumps grows as n^2
     # and affects other zones.
     min_density_jumps: int = 128
-    # Number of Chebyshev coefficients for each knot, in the series for the potential of a spline of
-    # the density.
+    # The potential of a spline of the density is a series with this number of Chebyshev
+    # coefficients for each knot.
     coefficients_per_knot: int = 8
 
 
@@ -305,7 +305,8 @@ class ConjugateSpline(Kept):
     """The bounded density whose transform is a spline minus its mean over theta = arccos(t).
 
     spline: the spline g from one end of the zone to the other, as a function of the distance from
-    the left end in half widths. Its value and slope are zero at both ends.
+    the left end in half widths. Its value and slope are zero at both ends. known: the coefficients
+    that have been computed.
     """
 
     spline: QuadraticSpline

@@ -9,13 +9,13 @@ from numba import njit
 
 @njit(cache=True, nogil=True, fastmath={"contract"}, error_model="numpy")
 def near_fields(begin: int, end: int, pairs: Any, series: Any, nodes: Any, fields: Any) -> None:
-    """Set the fields of near zones on the targets begin ... end - 1, from the zones' coefficients.
+    """Set the fields of near zones on the target zones begin ... end - 1.
 
     pairs: (first pair of each target, then for each pair: first coefficient of the source, number
     of terms, sign, gap, half width of the source, half width of the target). The sign is 1 if the
-    target lies to the right of the source, else -1. series: coefficients of all zones. nodes:
-    (first node of each target; distances of the nodes from the left and from the right end of the
-    target, divided by its half width). fields: the transform at the nodes.
+    target lies to the right of the source, else -1. series: coefficients of the densities on all
+    zones. nodes: (first node of each target; distances of the nodes from the left and from the
+    right end of the target, divided by its half width). fields: the transform at the nodes.
     """
     first, start, terms, sign, gap, half, width = pairs
     first_node, from_left, from_right = nodes

@@ -18,7 +18,7 @@ LANES = 64
 
 @njit(cache=True, nogil=True, fastmath={"contract"}, error_model="numpy")
 def far_fields(begin: int, end: int, pairs: Any, moments: Any, nodes: Any, fields: Any) -> None:
-    """Add the fields of far sources at the targets begin ... end - 1 of a list of node pairs.
+    """Add the fields of far tree nodes (sources) at the target nodes begin ... end - 1.
 
     pairs: (first pair of each target, targets, then for each pair: source, sign, gap, half width of
     the source, half width of the target, `rho` and `first` as in `Outside` for the target's middle

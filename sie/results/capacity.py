@@ -1,11 +1,11 @@
 """The logarithmic capacity of zones, from a density whose potential is the same on all of them.
 
-The density of total P that makes the potential (1/pi) int phi log|x - xi| the constant V on a set
-has pi V / P = log(capacity): the equilibrium problem (T. Ransford, Potential Theory in the Complex
-Plane, Cambridge 1995, chapter 5). Hilbert's kernel has the potential log|2 sin(pi (x - xi) / L)|.
-If the line is rolled onto a circle of circumference L, the points x and xi have L / (2 pi) times
-the argument of this logarithm as their distance. So the capacity of the arcs is
-L / (2 pi) exp(pi V / P).
+Let a density phi of the total P have the potential (1/pi) int phi log|x - xi| = V, the same on all
+zones. Then pi V / P = log(capacity): the equilibrium problem (T. Ransford, Potential Theory in the
+Complex Plane, Cambridge 1995, chapter 5). Hilbert's kernel has the potential
+log|2 sin(pi (x - xi) / L)|. If the line is rolled onto a circle of circumference L, the distance of
+the points x and xi is L / (2 pi) times the argument of this logarithm. So the capacity of the arcs
+is L / (2 pi) exp(pi V / P).
 """
 
 import math

@@ -10,8 +10,8 @@ moves outward at the rate e, phi = K d^(-1/2) + A d^(1/2) + ... at the distance 
     phi' = -(K/2) e d^(-3/2) + (K' + A e / 2) d^(-1/2) + ...
 
 The motion of a free end with K = 0 follows from the intensity k of phi': e = 2 k / A. The terms
-d^(-3/2) are the singular densities of `sie.ends.motions`; free ends with another prescribed
-intensity than zero move so that this intensity is kept.
+d^(-3/2) are the singular densities of `sie.ends.motions`. A free end with a prescribed intensity
+other than zero moves so that the intensity stays as prescribed.
 """
 
 from collections.abc import Sequence
@@ -52,20 +52,21 @@ from sie.states.state import State
 class DerivativeOptions:
     """Limits of errors, and numbers of nodes, for the derivative of a solution."""
 
-    # Largest relative size of the last series coefficients of a user's function, compared with its
-    # largest coefficient. If the solution has its usual tolerance, the derivative then has at least
-    # half of the digits of a double.
+    # Largest accepted ratio of the last coefficients of a series to its largest coefficient. The
+    # series are those of a user's function or of the density's derivative. Below this limit, and
+    # for a solution to the default tolerance, the derivative has half of the digits of a double.
     max_tail: float = 1e-8
     # For a solution with slits (narrow gaps inside a wide zone) or graded coordinates, the
     # derivative is computed from a solution of the same problem without either. `max_error` bounds
     # the stated error of this other solution.
     max_error: float = 1e-8
-    # Least and largest number of nodes on a zone for the field of the density under the derivative
-    # of the kernel. The number is doubled until the field no longer changes.
+    # The product of the density and the kernel's derivative by the parameter is integrated with at
+    # least and at most these numbers of nodes on a zone. The number is doubled until the integral
+    # no longer changes.
     least_nodes: int = 64
     most_nodes: int = 4096
-    # The field of the kernel's change counts as resolved if doubling the nodes changes it by at
-    # most this fraction of its size. The fraction is some hundred round-offs.
+    # The number of nodes suffices if doubling it changes the integral by at most this fraction of
+    # the integral's size. The fraction is some hundred round-offs.
     field_change: float = 1e-13
 
 
@@ -89,7 +90,7 @@ class Derivative:
     amplitudes : (k,) array
         Derivatives of the amplitudes of the columns.
     value : float or None
-        Derivative of the value of the condition of unknown value, if there is one.
+        Derivative of the unknown value of a side condition; None if all values are given.
 
     Examples
     --------
@@ -213,9 +214,9 @@ def _forcing(dg: Forcing | Function | None) -> Forcing | None:
 
 
 def _with_kernel(forcing: Forcing | None, added: Forcing) -> Forcing:
-    """The derivative of the right side minus the field of the kernel's derivative.
+    """The derivative of the right side, minus the field `added` of the kernel's derivative.
 
-    This field is the one that the density has with the derivative of the kernel as the kernel.
+    `added` is the transform of the density with the kernel's derivative in place of the kernel.
     """
     if forcing is None:
         return Forcing(_Minus(None, added.value), added.primitive and _Minus(None, added.primitive))
@@ -305,7 +306,7 @@ def without_slits(state: AnyState, value: float | None, factors: bool = False) -
 def known_parts(system: System | GradedSystem | SecondKindRows, view: Rows, size: int) -> Array:
     """Constant parts (rows,) of all side conditions of a system, without the unknowns' terms.
 
-    view: the quantities that conditions use, with matrices of `size` columns.
+    view: gives the quantities that the conditions use; its matrices have `size` columns.
     """
     parts = [asked(one, view, size)[1] for one in system.equation.conditions]
     if any(system.zones.fixed_bounded):
@@ -315,10 +316,9 @@ def known_parts(system: System | GradedSystem | SecondKindRows, view: Rows, size
 
 
 def end_rates_of(density: AnyDensity, lack: Array) -> Array:
-    """Outward motions (2, Z) of the free ends that raise the intensity of the density to `lack`.
-    Before the motion, the intensity at these ends is 0.
+    """Outward motions (2, Z) of the free ends that change the intensity at them from 0 to `lack`.
 
-    density: the solution, whose edge slopes count.
+    density: density of the solution; the motions are proportional to `lack` / its edge slopes.
     """
     zones = density.zones
     slopes = np.array(density.edge_slopes)
@@ -331,7 +331,7 @@ def end_rates_of(density: AnyDensity, lack: Array) -> Array:
 class LinearEquations:
     """Base class: the linear equations for the derivative of one solution by a parameter.
 
-    right: right sides of all their rows; it ends with those of the side conditions.
+    right: right sides of the equations; those of the side conditions come last.
     """
 
     right: Array
@@ -369,7 +369,7 @@ class LinearEquations:
 
 
 class Linearized(LinearEquations):
-    """The linear equations for the derivative of one solution on resolved zones."""
+    """The linear equations for the derivative of a solution without slits or graded coordinates."""
 
     def __init__(self, state: State, change: Change) -> None:
         super().__init__(state, change)

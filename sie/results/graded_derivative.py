@@ -49,7 +49,7 @@ class GradedLinearized(LinearEquations):
 
     def density(self, y: Array) -> GradedDensity:
         """The derivative of the density, with the unknowns y.
-        It also has the jumps that `change.forcing` causes, if this is given.
+        It also has the jumps that `change.forcing` causes, if there is a forcing.
         """
         forced = self.changed is not None
         system = self.changed or self.system

@@ -8,9 +8,9 @@ intensities K at singular ends and positions x of ends. Its derivative is a chai
 
 with the right sides r of the changed data, motions d of fixed ends, changes k of prescribed
 intensities and motions m of free ends. A is the matrix of the system. P and O are the direct
-effects of motions on its rows and on the intensities at free ends, kappa maps unknowns to these
-intensities, and M missing intensities to motions of free ends. If all prescribed intensities of
-free ends are zero, y = y0. The adjoint applies the transposed maps in reverse order, so that two
+effects of motions on its rows and on the intensities at free ends. kappa maps unknowns to these
+intensities, and M maps missing intensities to motions of free ends. If all prescribed intensities
+of free ends are zero, y = y0. The adjoint applies the transposed maps in reverse order, so that two
 solves with the transposed factors give the derivatives by all data at once.
 """
 
@@ -60,8 +60,8 @@ class Functional:
         return cls(weight, of_k, table_of("ends", ends, (len(zones), 2)))
 
     def of_density(self, linearized: Linearized) -> float:
-        """The part of J, or of its derivative, due to known coefficients of the density.
-        J is the functional.
+        """Part of the functional, or of its derivative, due to high coefficients of the density.
+        These follow from the right side alone and are no unknowns of the linear system.
         """
         system = linearized.system if linearized.changed is None else linearized.changed
         out = float((self.intensities * np.array(system.intensities_of(system.beyond))).sum())
@@ -101,7 +101,8 @@ class Gradient:
 
     Examples
     --------
-    The intensity K = -sqrt(a / 2) of a crack [-a, a] at its left end, by both ends.
+    A crack [-a, a] has the intensity K = -sqrt(a / 2) at its left end. This K is differentiated by
+    the positions of both ends.
 
     >>> import numpy as np, sie
     >>> crack = sie.Equation(sie.cauchy(), np.ones_like, sie.ZoneTotals(0.0))

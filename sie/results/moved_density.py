@@ -5,10 +5,11 @@ of
 
     S(t) = 1 / ((1 - t) sqrt(1 - t^2))      (right end;  t -> -t for the left one).
 
-At zeta, which is t continued to the complex plane, its transform is
--1 / ((zeta - 1) sqrt(zeta^2 - 1)) off the zone. It is zero on the zone, since i S is the limit of
-1 / ((1 - zeta) sqrt(zeta^2 - 1)) on the upper side. The potential, divided by the half width, is
-sqrt((zeta + 1) / (zeta - 1)) - 1 off the zone and -1 on it. The total is zero (finite part).
+At zeta, which is t continued to the complex plane, the transform of S is
+-1 / ((zeta - 1) sqrt(zeta^2 - 1)) off the zone. On the upper side of the zone this function is
+-i S, which has no real part, so the transform is zero on the zone. The potential of S, divided by
+the half width, is sqrt((zeta + 1) / (zeta - 1)) - 1 off the zone and -1 on it. The integral of S is
+zero (finite part).
 """
 
 from dataclasses import dataclass
@@ -39,12 +40,12 @@ class MovedDensity(DensityBase):
     Attributes
     ----------
     smooth : Density
-        The part without these terms.
+        The part without the terms distance^(-3/2).
     strength : (2, Z) array
         Factors of S (see the module) for the left and the right end of each zone.
     carrier : Density
-        A density of the zones' modes on which the regular part of the kernel acts as on the
-        singular terms.
+        A density of the zones' modes. With the regular part of the kernel, it has the same field as
+        the singular terms.
 
     Examples
     --------

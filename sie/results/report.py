@@ -56,7 +56,7 @@ class Report:
         the side conditions are divided by their largest entries. None: there is no matrix, the
         system was solved by an iteration.
     iterations : int
-        Number of steps of the iteration, 0 for a matrix.
+        Number of steps of the iteration, 0 if the system was solved with a matrix.
     steps : int or None
         Number of Newton steps of the free ends, None if all ends are fixed.
 

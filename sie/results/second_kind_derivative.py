@@ -1,4 +1,4 @@
-"""The derivative of a solution with kappa whose fixed ends stay in place.
+"""The derivative of a solution of an equation with kappa, for fixed ends that stay in place.
 
 The derivative of the density at fixed x is a density of the same equation, with the changes of the
 right side and of the conditions' values. At distance d from a free end the density is A d^(1-p),
@@ -32,7 +32,8 @@ class SecondKindLinearized(LinearEquations):
     """Linear equations for the derivative of a solution along `change`.
     The integral equation is of the second kind: it contains kappa times the density.
 
-    Raises ValueError for ends with a given value or intensity, and for a solution by an iteration.
+    Raises ValueError for ends with a given value, for free ends with a given intensity that is not
+    zero, and for a solution by an iteration.
     """
 
     def __init__(self, state: SecondKindState, change: Change) -> None:
