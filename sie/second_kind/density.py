@@ -58,11 +58,12 @@ class SecondKindDensity(DensityBase):
     amplitudes : ndarray
         Amplitudes of the equation's columns (k,).
     known : tuple of Known
-        Closed forms of the densities of the right side's jumps inside zones.
+        Closed-form parts of the density. Jumps of the right side inside zones and given values of
+        the density at ends cause them.
     bounded_ends : bool
-        Whether round-off traces of intensities at free ends are removed.
+        Whether the intensities K at free ends, which are only round-off, are set to zero.
     beside : Logarithms or None
-        Logarithmic terms of the plateaus beside the zones.
+        Logarithmic terms of the right side that the plateaus beside the zones cause.
 
     Examples
     --------
@@ -266,12 +267,13 @@ class SecondKindDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """On each zone: (largest density, its largest change if the left, if the right end moves).
+        """For each zone, the largest density and its largest changes by motions of the two ends.
+        The result is (largest density, change by the left end, change by the right end).
 
-        Changes are those at equal normalised position, divided by the motion relative to the zone's
-        width. A motion of the right end by eps widths changes a bounded density by
-        eps ((1 + t) phi'(t) + 2 alpha A (1 - t)^(alpha - 1)) at equal t. Values closer to an end
-        than `DensityOptions.end_distance` do not count.
+        Changes are those at equal normalised position t, divided by the motion of the end in widths
+        of the zone. A motion of the right end by eps widths changes a bounded density phi by
+        eps ((1 + t) phi'(t) + 2 alpha A (1 - t)^(alpha - 1)), with the edge slope A at this end for
+        the half width 1. Values closer to an end than `DensityOptions.end_distance` do not count.
         """
         out, counts = np.zeros((3, len(self.zones))), np.minimum(self.sampling, OPTIONS.max_angles)
         kinds = np.column_stack((self._family, counts))
@@ -313,7 +315,9 @@ class SecondKindDensity(DensityBase):
         return np.array([np.abs(one).max(axis=1) for one in (value, moved_left, moved_right)])
 
     def _values(self, basis: JacobiFunctions, group: Index, left: Array, right: Array) -> Array:
-        """Density at the same points 1 + t, 1 - t of several zones of one kappa (zones, points)."""
+        """Density at the same scaled points of several zones with one kappa (zones, points).
+        left, right: distances 1 + t and 1 - t of the points from the zones' ends.
+        """
         split = basis.split(self.coefficients[group], *self._vanishing[:, group])
         out = basis.density(split, left, right)
         for one in self.known:

@@ -1,11 +1,13 @@
 """Closed-form parts of the density for an equation with kappa: jumps of g, values at ends.
 
-If g, or its derivative of the order k, jumps by J at a place s of a zone, the density contains
+If the right side g, or its derivative of the order k, jumps by J inside a zone, the density
+contains
 
-    J w^k / k! (t - s)^k J_s,
+    J w^k / k! (t - s)^k J_s.
 
-with the half width w and J_s of `sie.basis.power_jump`. If the density has the value v at an end,
-it contains v times the density of `sie.basis.value_mode`.
+w is the half width, and t and s are the positions of a point and of the jump, scaled to -1 ... 1.
+`sie.basis.power_jump` gives the density J_s. If the density has a prescribed value v at an end, it
+contains v times the density of `sie.basis.value_mode`.
 """
 
 import math
@@ -113,9 +115,7 @@ class KnownJumps(Kept):
         near: Callable[[Outside], Array],
         far: Callable[[Array, Array, Array], Array],
     ) -> Array:
-        """A field at points off the zone, by the series `far` or by `near`.
-        The series is used where it is accurate.
-        """
+        """A field at points off the zone, by the function `near` or far away by the series `far`."""
         sign, excess = np.broadcast_arrays(np.asarray(points.sign), points.excess)
         left, less = from_ends(Outside(sign, excess))
         is_far = np.abs(rho_of(left, less)) < OPTIONS.far
@@ -228,9 +228,9 @@ Known = KnownJumps | KnownValue
 
 
 def known_parts(forcing: Forcing, zones: Zones, period: float | None = None) -> tuple[Known, ...]:
-    """The parts of the density in closed form; ValueError for jumps of unknown kinds.
+    """The closed-form parts of the density; ValueError for jumps that have no closed form.
 
-    period: of the kernel; the jumps repeat with it.
+    period: period of the kernel, with which the jumps repeat; None if there is no period.
     """
     values = _values(zones) if zones.have_values else ()
     return (*_jumps_inside(forcing, zones, period), *values)
@@ -245,7 +245,7 @@ def _values(zones: Zones) -> Iterator[KnownValue]:
 
 
 def _jumps_inside(forcing: Forcing, zones: Zones, period: float | None) -> tuple[KnownJumps, ...]:
-    """The jumps of the right side inside the zones; ValueError for kinds that are not known."""
+    """The jumps of the right side inside the zones; ValueError for those without a closed form."""
     jumps = forcing.jumps
     broken = wrapped(jumps.broken_at, float(zones.a[0]), period)
     zone = np.searchsorted(zones.a, broken, side="right") - 1

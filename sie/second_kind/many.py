@@ -10,9 +10,9 @@ and the coefficients c_0 follow from the totals of the zones, or from the prescr
 each zone has one fixed bounded end. The fields of other zones are small and smooth, so the rows are
 close to minus the identity, and GMRES needs few steps.
 
-From far away any density is a sum of m_l T_l / sqrt(1 - t^2) (see `JacobiFunctions.moments`). So
-far zones interact by the tree of `sie.trees`. Near zones interact by a table of the transforms of
-S_n.
+Far from a zone, its field is that of a density sum m_l T_l / sqrt(1 - t^2) with the moments m_l of
+`JacobiFunctions.moments`. So the tree of `sie.trees` sums the fields of far zones. A table of the
+transforms of S_n gives the fields of near zones.
 """
 
 from collections.abc import Callable
@@ -171,9 +171,9 @@ class FieldSums:
         return self._far(y, rough)[0]
 
     def _far(self, y: Array, rough: bool) -> tuple[Array, Array, Array]:
-        """(series of the transform, two parts of the potential in zone middles), of far zones.
+        """(series of the transform, two parts of the potential in the middle of each zone).
 
-        The unknowns y determine the densities of the zones.
+        Both are due to far zones, whose densities the unknowns y determine.
         """
         leaves = np.zeros((len(self.zones), TERMS))
         for basis, m, group, unknowns in self.groups:
@@ -335,8 +335,8 @@ class ManyRows(Rows):
 class ManySolver:
     """Iterative solver of the linear system `ManyRows`, for any right side.
 
-    Right sides have the rows of the equation first, then the totals divided by pi times the half
-    width, or the intensities at bounded ends divided by those of the weight.
+    Right sides have the rows of the equation first. Then come the totals divided by pi times the
+    half width, or the intensities at bounded ends divided by `Zones.edge_scale`.
 
     tolerance: relative to the unknowns of each zone, 0 for the limit of round-off; error: remaining
     error of each zone's unknowns (Z,) in the last solve to that tolerance; is_loose: whether the
@@ -372,7 +372,7 @@ class ManySolver:
     ) -> Array:
         """Solve for the unknowns of the linear system, for the given right sides.
 
-        tolerance: another one than the solver's; guess: a first guess of the unknowns.
+        tolerance: replaces the solver's own tolerance; guess: a first guess of the unknowns.
         """
         rows, layout = self.rows, self.rows.dense.layout
         others, equations = rows.others, len(rows.others)
@@ -426,7 +426,9 @@ class ManySolver:
                 return x, left_over
 
     def _scale(self, given: Array, firsts: Array) -> Array:
-        """Scale of each unknown: the largest |`given`| and |`firsts`| of its zone, or a bound."""
+        """Scale of each unknown: the largest of |`given`| and |`firsts`| on its zone.
+        If this is very small, a small fraction of the largest scale of all zones replaces it.
+        """
         m = self.rows.dense.layout.m
         largest = np.maximum.reduceat(np.abs(given), np.cumsum(m) - m)
         largest = np.maximum(largest, np.abs(firsts))

@@ -142,7 +142,9 @@ class LevelRows(ManyRows):
 
     @cached_property
     def column_rows(self) -> Array:
-        """Coefficients, as in `right`, of the terms of unknown amplitude (columns, rows)."""
+        """Coefficients of the equation's columns (functions of unknown amplitude), as in `right`.
+        The shape is (columns, rows).
+        """
         x = self.dense.points[0].x
         columns = [
             self.sums.projected(np.broadcast_to(np.asarray(one.value(x), dtype=float), x.shape))
@@ -152,7 +154,7 @@ class LevelRows(ManyRows):
 
     @cached_property
     def column_heights(self) -> Array:
-        """Primitives of the terms of unknown amplitude in the middles of zones (columns, Z)."""
+        """Primitives of the equation's columns in the middles of zones (columns, Z)."""
         x, columns = self.zones.middle, self.dense.equation.columns
         heights = [np.asarray(one.primitive(x), dtype=float) for one in columns if one.primitive]
         return np.array(heights).reshape(-1, len(x))
@@ -195,7 +197,9 @@ class LevelRows(ManyRows):
         return out
 
     def applied(self, y: Array, rough: bool = False) -> tuple[Array, "AppliedRows"]:
-        """(coefficients of other zones' field minus columns, `AppliedRows`), for the unknowns y."""
+        """(part of the equation's rows, `AppliedRows`), for the unknowns y.
+        The part is the coefficients of other zones' field minus those of amplitudes times columns.
+        """
         field, middle = self.sums.fields_and_middles(y, rough)
         zones, layout = self.zones, self.sums.layout
         level = middle + self.near_middles @ y
@@ -211,7 +215,7 @@ class LevelRows(ManyRows):
     def condition_values(self, opened: float) -> Array:
         """Right sides of all side conditions: prescribed values less the conditions' constants.
 
-        opened: added to the value of the open condition.
+        opened: added to the value of the open condition, whose value is unknown.
         """
         applied, out = self.applied(np.zeros(self.sums.layout.size))[1], []
         for condition in self.dense.equation.conditions:
@@ -282,7 +286,7 @@ class LevelRows(ManyRows):
 
 @record
 class _Coarse(Trial):
-    """Trial densities c_0 / sqrt(1 - t^2) whose last unknowns are the columns' amplitudes."""
+    """A `Trial` whose unknowns are c_0 of each zone and, last, the amplitudes of the columns."""
 
     def amplitude(self, k: int) -> Linear:
         row = np.zeros((1, self.first.shape[1]))

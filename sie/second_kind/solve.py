@@ -30,7 +30,7 @@ def solve_second_kind(
 
     tolerance: size that the last coefficients may have, relative to the largest coefficient; sizes:
     numbers of modes to start from. Raises ValueError for equations that cannot be solved with
-    kappa, and SingularSystem.
+    kappa, and SingularSystem if the linear system is singular or not finite.
     """
     if zones.symmetric:
         raise ValueError("an equation with kappa has no mirror symmetry: leave out symmetric=True")

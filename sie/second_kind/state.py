@@ -22,7 +22,7 @@ from sie.states.state import AT_ENDS, residual_errors
 
 @dataclass(frozen=True)
 class SecondKindOptions:
-    """Options: numbers of Chebyshev modes of a zone, for equations with kappa (second kind)."""
+    """Options for equations with kappa (second kind): numbers of modes of a zone, a round-off."""
 
     # The first number of modes of a zone, unless near neighbours require more.
     first_modes: int = 16
@@ -32,7 +32,7 @@ class SecondKindOptions:
     # some seconds.
     max_unknowns: int = 4000
     # A search for free ends stops if coefficients have hardly decayed up to this mode, as beside
-    # gaps below about 1e-4 of a width. Each solution with more modes would take a second.
+    # gaps below about 1e-4 of a zone's width. Each solution with more modes would take a second.
     search_modes: int = 768
     # Number of last coefficients of a zone. The largest of them shows whether modes are missing.
     last: int = 3
@@ -51,7 +51,7 @@ class SecondKindState(Resolved):
     Attributes
     ----------
     density : SecondKindDensity
-        The wanted function.
+        The solution phi of the equation.
     system : SecondKindRows
         The rows of the equation.
     solver : Factored
@@ -116,9 +116,9 @@ class SecondKindState(Resolved):
 
     @property
     def levels(self) -> Array:
-        """Level of each zone: a constant on the zone, see `SecondKindRows.levels`.
-        It is the constant of (potential + integral of kappa phi - primitive of g), with the density
-        phi and the right side g.
+        """Level of each zone (Z,): the constant value that a certain sum has on the zone.
+        The sum is the potential of the density phi, plus the integral of kappa phi, minus the
+        primitive of the right side; see `SecondKindRows.levels`.
         """
         rows, constants = self.system.levels()
         return np.asarray(rows @ self.unknowns + constants)

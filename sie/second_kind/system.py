@@ -129,7 +129,7 @@ def regular_means(
 def potentials(zones: Zones, kernel: Kernel, targets: Targets, layout: Layout) -> Array:
     """Potential of a unit of each unknown coefficient at points on the zones (points, unknowns).
 
-    To the potential of a zone on itself, kappa times the integral up to the point is added.
+    On the zone itself, kappa times the integral of its density up to the point is added.
     """
     numbers = zones.weight.numbers
     out = np.zeros((len(targets.x), layout.size), dtype=numbers)
@@ -184,7 +184,8 @@ class SecondKindRows(Rows):
     def right_side(self, targets: Targets) -> Array:
         """Right side for the smooth part of the density, at points on the zones.
 
-        It is the given right side minus the left side for the densities that the jumps cause.
+        It is the given right side minus the left side for the closed-form parts of the density,
+        which jumps of the right side and given values at ends cause.
         """
         out = self.forcing_at(targets)
         zones, kernel = self.zones, self.equation.kernel
@@ -272,9 +273,9 @@ class SecondKindRows(Rows):
     def levels(self) -> Linear:
         """Level of each zone: a constant that follows from the density phi and the right side g.
 
-        On a zone, the potential plus the integral of kappa phi from the first end of all zones,
-        minus the primitives of g and of the columns, is constant. The level is the mean of this sum
-        over the nodes. The potential of a zone's own density is in closed form.
+        On a zone, the following sum is constant: the potential, plus the integral of kappa phi from
+        the left end of the first zone, minus the primitives of g and of the columns (times their
+        amplitudes). The level is the mean of this sum over the nodes of the zone.
         """
         return self._levels
 
@@ -303,7 +304,9 @@ class SecondKindRows(Rows):
         return rows, np.add.reduceat(constants, starts) / layout.m + before @ known
 
     def _known_potential(self, targets: Targets) -> Array:
-        """Potential of the densities that jumps of the right side cause, at points on the zones."""
+        """Potential of the densities that jumps of the right side cause, at points on the zones.
+        On the zone of a jump, kappa times the integral of the jump's density is added.
+        """
         zones, kernel, out = self.zones, self.equation.kernel, np.zeros(len(targets.x))
         for one in self.jumps:
             w, own = zones.half[one.zone], targets.zone == one.zone
