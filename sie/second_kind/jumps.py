@@ -115,7 +115,7 @@ class KnownJumps(Kept):
         near: Callable[[Outside], Array],
         far: Callable[[Array, Array, Array], Array],
     ) -> Array:
-        """A field at points off the zone, by the function `near` or far away by the series `far`."""
+        """A field at points off the zone, by the function `near`, far away by the series `far`."""
         sign, excess = np.broadcast_arrays(np.asarray(points.sign), points.excess)
         left, less = from_ends(Outside(sign, excess))
         is_far = np.abs(rho_of(left, less)) < OPTIONS.far

@@ -38,7 +38,8 @@ class SlitDensity(DensityBase):
     """The density phi on zones with narrow gaps, which are treated as cuts in wide zones.
 
     It has the members of `Density`, for the zones as they were given. `solve_zones` makes it. On
-    the wide zones the right side is g - s, where the slack s is zero off the slits.
+    the wide zones the right side is g - s, with the given right side g. The slack s is the unknown
+    function in the slits (the cuts) and is zero off them.
 
     Attributes
     ----------
@@ -59,7 +60,8 @@ class SlitDensity(DensityBase):
         Whether round-off traces of 1/sqrt(d) at free ends are removed; see
         `Density.with_bounded_ends`.
     forced : bool
-        Whether the density includes the right side, with its kinks in slits; a response does not.
+        Whether the density includes the effect of the right side and of its jumps in slits. It does
+        not for a response, the density due to changed side conditions alone.
 
     Examples
     --------
@@ -108,15 +110,15 @@ class SlitDensity(DensityBase):
     def kinks_of(self, here: Slits) -> list[tuple[int, SlitKink]]:
         """Jumps of the right side in the slits `here` of a wide zone, each as (slit index, jump).
 
-        The list is empty for a response, whose right side is zero.
+        The list is empty if the right side is zero (see `forced`).
         """
         return here.kinks if self.forced else []
 
     # The methods below give the series of functions on the slits (narrow gaps in wide zones).
     @cached_property
     def series(self) -> list[list[Array]]:
-        """Series of sigma = s sqrt(1 - t^2) in each slit (narrow gap); s is the unknown there.
-        s is called the slack, and t is the coordinate of the wide zone around the slit.
+        """Series of sigma = s sqrt(1 - t^2) in each slit (narrow gap), with the slack s.
+        The slack is the unknown function in a slit; t is the coordinate of the wide zone around it.
 
         If `bounded_ends`, traces of the intensity K at the slits' ends are removed.
         """
@@ -124,9 +126,9 @@ class SlitDensity(DensityBase):
         return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
     def _of_slits(self, power: int) -> list[list[Array]]:
-        """Series of s X^(1 - power) in each slit (narrow gap); s is the unknown function there.
-        s is called the slack. X = sqrt(1 - t^2), with the coordinate t of the wide zone around the
-        slit.
+        """Series of s X^(1 - power) in each slit (narrow gap), with the slack s.
+        The slack is the unknown function in a slit. X = sqrt(1 - t^2), with the coordinate t of the
+        wide zone around the slit.
         """
         return [
             [slit.over(d, power) for slit, d in zip(here.slits, row, strict=True)]
@@ -135,9 +137,9 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _tilde(self) -> list[list[Array]]:
-        """Series of s / X in each slit (narrow gap); s is the unknown function there.
-        s is called the slack. X = sqrt(1 - t^2), with the coordinate t of the wide zone around the
-        slit.
+        """Series of s / X in each slit (narrow gap), with the slack s.
+        The slack is the unknown function in a slit. X = sqrt(1 - t^2), with the coordinate t of the
+        wide zone around the slit. In terms of sigma = s X, the function s / X is sigma / X^2.
 
         X times the Cauchy transform of sigma / X^2 is the density P[s] that the slack causes,
         except for its part (alpha + beta t) / X.
@@ -147,14 +149,14 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def sigma(self) -> Density:
-        """s sqrt(1 - t^2) in the slits (narrow gaps), as a `Density`; s is the unknown there.
-        s is called the slack, and t is the coordinate of the wide zone around a slit.
+        """s sqrt(1 - t^2) in the slits (narrow gaps), as a `Density`, with the slack s.
+        The slack is the unknown function in a slit; t is the coordinate of the wide zone around it.
         """
         return self._on_slits(self.series)
 
     @cached_property
     def _slack(self) -> Density:
-        """The unknown function s in the slits (narrow gaps), called slack, as a `Density`."""
+        """The slack, which is the unknown function s in the slits (narrow gaps), as a `Density`."""
         return self._on_slits(self._of_slits(1))
 
     def _on_slits(self, series: list[list[Array]]) -> Density:
@@ -284,8 +286,8 @@ class SlitDensity(DensityBase):
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """Largest density on each zone, and its largest changes if the left or right end moves.
         Returns (densities, changes for left ends, changes for right ends); see
-        `Density.sensitivity`. Differences between points replace the series, which a single given
-        zone does not have.
+        `Density.sensitivity`. The derivative of the density along a zone, which the changes need,
+        is a difference of values at two close points.
         """
         angles = [
             self._sample_angles(piece, count) for piece, count in enumerate(self._counts.tolist())
@@ -457,9 +459,9 @@ class SlitDensity(DensityBase):
         return len(self.geometry.slits)
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x is in a slit, integral of the unknown s there from the slit's left end to x).
+        """(whether x is in a slit, integral of the slack from the slit's left end to x).
 
-        A slit is a narrow gap inside a wide zone. s is called the slack.
+        A slit is a narrow gap inside a wide zone, and the slack is the unknown function in it.
         """
         place = self._into_wide(np.asarray(x, dtype=float))
         slack = self._slack
@@ -470,14 +472,14 @@ class SlitDensity(DensityBase):
         return inside, opened
 
     def slack(self, place: Array) -> Array:
-        """The unknown function s in slits (narrow gaps), called slack; zero outside the slits."""
+        """The slack at `place`: the unknown function in slits (narrow gaps), zero outside them."""
         out = self._slack(place)
         for kink, _, some, left, right in self._in_kinks(place):
             out[some] += kink.slope(left, right)
         return out
 
     def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, Mask, Array, Array]]:
-        """Tuples (jump, half width of its slit, mask, left, right), one for each jump in a slit.
+        """Yield (jump, half width of its slit, mask, left, right) for each jump in a slit.
 
         A slit is a narrow gap inside a wide zone. The mask selects the places in that slit; left
         and right are their distances from the slit's ends, in half widths of the slit.
@@ -499,7 +501,8 @@ class SlitDensity(DensityBase):
     def _on_line(self, x: Array, potential: bool) -> Array:
         """Transform or potential of the density at real points x.
 
-        It is computed from the first coefficients on the wide zones, and corrected close to slits.
+        It is computed from the first coefficients of the density on the wide zones, and corrected
+        close to wide zones with slits.
         """
         flat = x.ravel()
         out = np.array(self.whole.potential(flat) if potential else self.whole.transform(flat))
@@ -517,10 +520,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def mean_openings(self) -> Array:
-        """Mean over each wide zone of the opening, the integral of the unknown in its narrow gaps.
+        """Mean over each wide zone of the opening, with the weight 1 / sqrt(1 - t^2).
 
-        The narrow gaps are called slits, and the unknown function in them slack. The weight of the
-        mean is 1 / sqrt(1 - t^2).
+        The opening at x is the integral of the slack from a slit's left end to x, and 0 off the
+        slits. The slack is the unknown function in the slits, the narrow gaps of the wide zone.
         """
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slits, self.series, strict=True):
@@ -531,9 +534,10 @@ class SlitDensity(DensityBase):
 
     @cached_property
     def _slack_density(self) -> Density:
-        """The density caused by the first coefficients of the unknowns in the slits (narrow gaps).
+        """The part of `whole` due to the slits (narrow gaps), on the wide zones that have slits.
 
-        It is given on the wide zones with slits, and holds far from them.
+        It has the first coefficients of the slack, the unknown function in the slits. They give the
+        field far from these wide zones.
         """
         some = np.array([here.zone for here in self.slits])
         count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
@@ -545,8 +549,8 @@ class SlitDensity(DensityBase):
         """Correct `out` (transform or potential) at points x close to wide zones with slits.
 
         `out` was computed from the first coefficients of the slack s, which are too few at such
-        points. Their field is subtracted, and at points off the zone the closed form is added.
-        Points close to periodic images of these zones are treated in the same way.
+        points. The field of these coefficients is subtracted. At points off the wide zone, the
+        closed form is added. Points close to periodic images of the zone are treated likewise.
         """
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
@@ -570,7 +574,7 @@ class SlitDensity(DensityBase):
                     out[some[off]] += what(seen, here, row)
 
     def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Transform, outside a wide zone, of the density due to the unknowns s in its narrow gaps.
+        """Transform, outside a wide zone, of the density due to the slack s in its narrow gaps.
 
         It is (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau. In the gaps, sigma is
         s sqrt(1 - t^2).
@@ -588,7 +592,7 @@ class SlitDensity(DensityBase):
             return np.asarray(total / seen.root)
 
     def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
-        """Potential, outside a wide zone, of the density due to the unknowns s in its narrow gaps.
+        """Potential, outside a wide zone, of the density due to the slack s in its narrow gaps.
 
         It is -w sum s_k rho^k / k, with the half width w of the zone and the sine coefficients s_k
         of s. The sum over k has a closed form, which is integrated over each slit.

@@ -12,7 +12,8 @@ m the middle of the slit. Then
     psi = h (H(t - s) - chi)                                for q = 0,
     psi = h ((t - s)_+ - bar((t - .)_+) - (m - s) chi)      for q = 1.
 
-psi vanishes at both ends of the slit. P[psi] is the density that psi causes, and
+psi vanishes at both ends of the slit. P[psi] is the density that psi causes. With X = sqrt(1 - t^2)
+and the angle phi of the jump, s = cos(phi),
 
     (h/pi) kappa + P[psi] = (h/pi) bar(kappa) + (a_0 + a_1 t) / X,
     (h/pi) (t - s) kappa + P[psi]
@@ -152,9 +153,9 @@ class SlitKink(Kept):
 
     @property
     def at_ends(self) -> float:
-        """Coefficient J of psi near the slit's ends, where psi is -+(J/pi) sqrt(2 delta).
-        The sign is minus at the left end and plus at the right end. psi is the jump's part of the
-        slack (the slit's unknown function), see `slope`. delta is the distance from the end,
+        """Factor J of the jump's part of the slack (the slit's unknown function) close to its ends.
+        This part psi, see `slope`, is -(J/pi) sqrt(2 delta) at the small distance delta from the
+        left end, and +(J/pi) sqrt(2 delta) at the distance delta from the right end. delta is
         divided by the slit's half width.
         """
         return self.jump * self.half**self.order * self._weights[0]
@@ -193,7 +194,7 @@ class SlitKink(Kept):
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
-        """Coefficients s_k on the wide zone, k = 0 ... count, of psi, a part of the slack.
+        """Sine coefficients s_k, k = 0 ... `count`, of psi on the wide zone.
         psi is the part of the slack (the unknown function in the slit) that the jump causes.
         """
         _, _, angle, weight = self.seen
@@ -311,9 +312,10 @@ class SlitKink(Kept):
         return np.asarray(root_weight(from_left, from_right) * ((1 / away) @ self._over_root))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """Mean over the slit that replaces the jump's singular density (t - s)^q kappa.
+        """The smooth function that replaces the jump's singular density (t - s)^q kappa.
         kappa is a logarithm that is infinite at the jump's position s, and q is the jump's order.
-        For q = 0 the mean is bar(kappa); the other formulas are at the head of this file.
+        For q = 0 the smooth function is the mean of kappa over all positions s in the slit. The
+        head of this file has the functions for q = 1 and 2.
         """
         nodes, l, r = self.mean_places
         sums = 2 * np.log(

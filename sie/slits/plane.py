@@ -1,13 +1,15 @@
-r"""A density of zones with slits at complex points.
+r"""Fields, at complex points, of the density on zones with slits.
 
 `sie.density.plane` describes densities without slits, `sie.slits.slits` and `sie.slits.kinks` the
-series on slits. The closed forms on the line off a wide zone also hold at complex points, because
-sigma = s X and psi are real functions on the slits:
+series on slits. The notation is theirs. The closed forms on the line off a wide zone also hold at
+complex points, because sigma = s X and psi are real functions on the slits. The density P[s] that
+the slack s causes has the transform
 
     F[P[s]] = (1/pi) int sigma / (zeta - tau) dtau / sqrt(zeta^2 - 1).
 
-A jump in a slit, with its angle G_s = -i log(B/A) (see `sie.density.plane`) and bars for means over
-the slit's equilibrium measure, has
+Let G_s = -i log(B/A) be the logarithmic factor of a jump in a slit (`ForcingJumps.logarithm`), and
+let bars be means over the slit's equilibrium measure. The density P[psi] of the jump's part psi of
+the slack has the transform
 
     q = 0:  (h/pi)(bar(G) - G_s) + (a_0 + a_1 rho) / sqrt,
     q = 1:  (h/pi)(bar((zeta - .) G - sin) + (m - s) bar(G) - (phi - bar(phi)) rho
@@ -15,9 +17,9 @@ the slit's equilibrium measure, has
     q = 2:  as in `sie.slits.kinks`, with (zeta - s)^2 G - (zeta - 3 s/2) sin for (t - s)^2 kappa,
             and rho, rho^2/2 for X, t X,
 
-with -i (2 log(B) - log(2 rho (zeta - s'))) for G. The mean of log(B) is smooth, that of log(zeta -
-s') is log(r / 2 rho_slit), and that of (zeta - s') log(zeta - s') is r (zeta_slit (log(r/2) + 1 +
-arcosh(zeta_slit)) - sqrt(zeta_slit^2 - 1)).
+with -i (2 log(B) - log(2 rho (zeta - s'))) for G at the place s' in the slit. The mean of log(B) is
+smooth, that of log(zeta - s') is log(r / 2 rho_slit), and that of (zeta - s') log(zeta - s') is
+r (zeta_slit (log(r/2) + 1 + arcosh(zeta_slit)) - sqrt(zeta_slit^2 - 1)).
 
 The potential W is integrated along the vertical: W(z) = W(z + i Y) - i int F, with the transform F.
 The integral begins at a height where the first coefficients on the wide zones give W to round-off.

@@ -139,9 +139,9 @@ def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Slit
     """The zones with narrow gaps treated as slits of wide zones; None if no gap can be a slit.
     A wide zone joins several zones and the gaps between them.
 
-    It is None if there are no narrow gaps, or if the equation does not allow slits. before: mask of
-    the zones whose gap on the right was a slit in a previous solution on similar zones. For such a
-    gap the limit of the width is larger (hysteresis).
+    No gap can be a slit if no gap is narrow, or if the equation does not allow slits. before: mask
+    of the zones whose gap on the right was a slit in a previous solution on similar zones. For such
+    a gap the limit of the width is larger (hysteresis).
     """
     if len(pieces) < 2 or not _allows_slits(equation, pieces):
         return None
@@ -365,7 +365,7 @@ def _within(
 ) -> tuple[Index, ForcingJumps]:
     """The jumps, of the right side or the density, that lie in the slits of a wide zone.
 
-    Returns the indices in `jumps` of single jumps, and the jumps at spline knots as jumps.
+    Returns (indices in `jumps` of single jumps, jumps at knots of the wide zone's spline).
 
     start, length: distance of each slit from the zone's left end and width of the slit, both
     divided by the zone's half width.
@@ -524,7 +524,7 @@ class Slits(Kept):
     def solve(self) -> Factored:
         """LU factors of the matrix of the equations for the unknown functions in all slits.
 
-        Applied to their right sides, it gives the series coefficients d of all slits.
+        Applied to right sides of these equations, they give the series coefficients d of all slits.
         """
         matrix = np.zeros((self.offset[-1], self.offset[-1]))
         for i, slit in enumerate(self.slits):

@@ -43,7 +43,7 @@ from sie.trees.krylov import gmres
 
 @record
 class Opened(Trial):
-    """Contributions of the slack s (the unknown in narrow gaps) to side-condition quantities.
+    """Contributions of the slack s (the unknown in narrow gaps) to quantities in side conditions.
 
     The contributions are known numbers, so that all matrices are zero. slack: coefficients s_k of
     the slack in every wide zone that has slits; mean_opening: mean of the integral of s over each
@@ -58,10 +58,10 @@ class Opened(Trial):
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        """Contribution of the slack s (the unknown in narrow gaps) to integrals of the density.
+        """Part of the integrals of weight * density due to the slack s (unknown in narrow gaps).
 
-        The integrals have a weight. The first coefficients of the density are unknowns of the
-        system and contain the share of s already. Only the higher coefficients of s are added here.
+        The first coefficients of the density are unknowns of the system and contain the share of s
+        already. Only the higher coefficients of s are added here.
         """
         out = np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved.tolist()):
@@ -153,7 +153,7 @@ class SlitSystem(Kept):
         """(unknowns of the wide zones, series of all slits, relative change in the last step).
 
         values: values of the side conditions, for a zero right side without jumps; None solves the
-        equation itself. loose: tolerance of an iteration, if larger than the present one.
+        equation itself. loose: tolerance of an iteration, used if it is larger than `linear`.
         """
         base, homogeneous, iteration = self.base, values is not None, self.base.iteration
 
@@ -395,9 +395,10 @@ class SlitState(Answered):
 
     @cached_property
     def _tails(self) -> Array:
-        """Estimated sum, on each wide zone, of neglected coefficients of its slits' unknowns.
+        """Estimated sum of the neglected coefficients of a slit's unknown function.
+        Each wide zone has the largest sum of its slits, or 0 if it has no slits.
 
-        It is extrapolated from the decay of the last coefficients.
+        The sum is extrapolated from the decay of the last coefficients.
         """
         out = np.zeros(len(self.geometry.wide))
         for here, row in zip(self.slit_system.slits, self.density.series, strict=True):
@@ -424,7 +425,8 @@ class SlitState(Answered):
     def missing(self) -> Array:
         """Truncation error on each wide zone, as the sum of the neglected coefficients.
 
-        It adds those of the series, those of the slits, and the residual between the nodes.
+        It adds the neglected coefficients of the zone's series, those of the slits' series, and the
+        part of the residual at the check angles that exceeds round-off.
         """
         rounding = 2e-15 * self.whole.zone_sizes + self.whole.jumps_rounding
         return np.asarray(
@@ -554,9 +556,10 @@ def solve_zones(
 
     Returns
     -------
-    State, SlitState or SecondKindState
-        A `SlitState` if narrow gaps were treated as slits. A `SecondKindState` if the equation has
-        a kappa.
+    State, SlitState, GradedState or SecondKindState
+        A `SlitState` if narrow gaps were treated as slits. A `GradedState` if zones with fixed ends
+        next to narrow gaps have graded coordinates. A `SecondKindState` if the equation has a
+        kappa. Else a `State`.
 
     Raises
     ------
