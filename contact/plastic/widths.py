@@ -61,8 +61,9 @@ def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
                 raise
             return failure.best
 
-    # First guess of the load. The elastic contact and a plateau of the wanted width both carry more
-    # than the wanted contact, so the guess is below both loads.
+    # First guess of the load. Two contacts of the wanted width carry more than the wanted contact:
+    # the elastic contact (usually `start`), and a single plateau (`bearing`). So the guess is below
+    # both loads.
     start = context.warm_start
     first = 1.0 / ((1.0 / start.load if start else 0.0) + 1.0 / bearing)
 

@@ -439,9 +439,10 @@ def _low_coefficients(design: AdhesiveDesign, strength: Array, unit: float) -> A
         for j in range(m):
             field = strength[j] * poles[:, j] / x_root
             if j in (g, (g + 1) % m):
-                # The field that a motion of end j causes is not integrable at this end. A multiple
-                # of the derivative of X times the pole is subtracted, so that the rest is
-                # integrable. Hadamard's finite part of the subtracted integral is zero.
+                # The field that a motion of end j causes is not integrable at this end. So a
+                # multiple of d(|X| pole)/dx is subtracted, where `pole` is the pole of R at end j.
+                # The rest is integrable. The integral of the subtracted term has the finite part
+                # zero (Hadamard).
                 share = (-2.0 if j == g else 2.0) * unit * strength[j] / others[j]
                 field = field - share * _pole_slope(design, g, (dl, dr), j, poles[:, j]) * x_root
             given[row, j] = -np.sum(weight * field)

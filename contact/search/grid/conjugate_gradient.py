@@ -110,8 +110,8 @@ class Influence:
     is_periodic: bool
     _compliance: Array = field(repr=False, compare=False)  # S in Fourier space on the padded grid
     stiffness: Array = field(repr=False, compare=False)  # D = E|k|/2 on the padded grid
-    # Displacement per unit of load that comes from the datum length in the logarithm of the kernel.
-    # It is added after the FFT, so that the displacement keeps its digits.
+    # Constant displacement per unit of load, from the term ln(h / datum) of the kernel. It is added
+    # after the FFT, so that the displacement keeps its digits.
     _offset: float = 0.0
     cap: float = math.inf  # largest pressure that the surface bears
 

@@ -185,8 +185,8 @@ def _load_of_width(scaled: ScaledScene, width: float, points: int) -> tuple[floa
             high, at_high, at_low = load, error, weight * at_low
         last = error
         if low == 0.0:
-            # The contact width grows at most as the square root of the load. So the load is reduced
-            # by the square of the ratio of the widths.
+            # The contact width of a parabola grows as the square root of the load. So the load is
+            # reduced by the square of the ratio of the widths.
             factor = min(max((width / contact) ** 2, 1e-3), 0.3) if contact < period else 0.3
             load = high * factor
         elif high == math.inf:
