@@ -1,8 +1,8 @@
-r"""Adhesive contact: in, a scene under an adhesive law; out, its contact on the named branch.
+r"""Adhesive contact: finds the contact of a scene with an adhesive law, on one of two branches.
 
-Contact with adhesion has several equilibria under one load. The unknowns are the ends s of
-intervals. The residual r(s, value) of an end says how strongly it is driven outward under a value
-of the control. J = dr/ds is its Jacobian.
+Contact with adhesion has several equilibria under one load. The branch, advancing or receding,
+selects one of them. The unknowns are the ends s of intervals. The residual r(s, value) of an end
+says how strongly it is driven outward under a value of the control. J = dr/ds is the Jacobian.
 
     curve.py             `State`: intervals, r, J, load, level (minus the approach);
                          `Curve`: the states of a problem
@@ -11,7 +11,7 @@ of the control. J = dr/ds is its Jacobian.
     nucleation.py        zones that begin at first touch, or by overlap
     arc_length.py        follows the curve r(s, value) = 0 round turning points
     events.py            `Events`: jumps and other events that interrupt a curve
-    loading_path.py      follows a control up and down, through all events
+    loading_path.py      follows the contact as a control rises and falls, through all events
     pull_off.py          finds where the last contact is lost
     full_contact.py      early test for contacts that close altogether
     branch.py            entry for one solution; path_start.py: entry for a path

@@ -1,10 +1,12 @@
-"""The arc-length follower: from an equilibrium along its curve, round turning points.
+"""The arc-length follower: follows a curve of equilibria from one of them, round turning points.
 
-At a turning point J = dr/ds has a zero eigenvalue and the control has an extreme along the arc.
+At a turning point the control has a maximum or minimum along the curve. There the derivatives dr/ds
+of the residuals r with respect to the interval ends s have a zero eigenvalue.
 
-The curve has a kink where an end reaches a sharp corner, or where an end pinned at a corner is no
-longer driven outward. A step ends there, and the next step begins with that end pinned, or free. If
-the state with the free end is unstable, the end jumps off the corner, and the curve ends.
+The curve has a kink where the end of an interval reaches a sharp corner of the profile, or where an
+end pinned at a corner is no longer driven outward. A step ends there, and the next step begins with
+that end pinned, or free. If the state with the free end is unstable, the end jumps off the corner,
+and the curve ends.
 """
 
 from collections.abc import Iterator
@@ -23,8 +25,8 @@ from sie import Array
 def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterator[Step]:
     """Generate the steps along the curve of equilibria that starts from the equilibrium `here`.
 
-    At `here`, the control rises (`sense` 1) or falls (-1). tight: whether the states at the ends of
-    the steps are solved to full accuracy.
+    sense: 1 if the control rises along the curve at `here`, -1 if it falls. tight: whether the
+    states at the ends of the steps are solved to full accuracy.
     """
     place, length, stands = _stood_by(curve, here, sense), MOVES.small_part, 0
     why = "the curve of equilibria was not followed on"
@@ -55,7 +57,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
         if step.lets_go:
             why = "an end that was held at a sharp corner has let go"
             break
-        # Several steps in a row of almost zero length end the curve, because an end at a sharp
+        # Several steps of almost zero length in a row end the curve. Otherwise an end at a sharp
         # corner could be pinned and freed again and again.
         stands = stands + 1 if step.length < ACCURACY.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
@@ -93,8 +95,8 @@ def _tried(curve: Curve, place: CurvePoint, length: float, tight: bool) -> Step 
 def _next_length(step: Step, length: float) -> float:
     """Length of the step that follows `step`.
 
-    In this new step, the tangent of the curve is expected to turn by half of the largest allowed
-    angle. length: the length with which `step` was tried.
+    During this new step, the tangent of the curve should turn by half of the largest allowed angle.
+    length: the length with which `step` was tried.
     """
     aimed = 0.5 * ARC_OPTIONS.longest_step
     growth = aimed / max(step.turned, aimed * MOVES.least_part)
@@ -189,7 +191,8 @@ def _keeps(before: CurvePoint, ahead: CurvePoint) -> bool:
 def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
     """Whether a step loses zones without an extremum of the control or a change of stability.
 
-    The width of a lost zone vanishes like a square root, so that the curve bends sharply there.
+    The width of a vanishing zone is proportional to the square root of the arc length that is left.
+    So the curve bends sharply there.
     """
     cosine = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
     return cosine and len(ahead.at.contact) < len(before.at.contact)

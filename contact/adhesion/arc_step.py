@@ -119,8 +119,8 @@ class Step:
     def turns_once(self) -> bool:
         """Whether the control has exactly one extremum in the step.
 
-        At a single extremum the growth rate is zero. If the growth rate found is not zero, the step
-        has several extrema and is too long.
+        `growth`, the largest eigenvalue of a state's scaled rates, is zero at a single extremum. If
+        it is not zero at the extremum found, the step has several extrema and is too long.
         """
         try:
             growth = self.at(self.turning(False), False).growth

@@ -1,4 +1,4 @@
-"""The equilibrium of a scene on the branch that its context names."""
+"""The equilibrium of a scene on the branch, advancing or receding, that its context names."""
 
 from contact.adhesion import cohesive_branch, edge_branch
 from contact.adhesion.full_contact import as_not_converged

@@ -165,7 +165,7 @@ def advancing(
 ) -> CohesiveState:
     """The smallest contact in equilibrium that contains the point of first touch.
 
-    value: of the control, not negative.
+    value: value of the control, not negative.
     """
     with closing_foreseen(context, curve, value):
         return _advanced_from_touch(context, scaled, curve, value)
@@ -225,10 +225,11 @@ def _refuse_narrow(context: SolveContext, width: float) -> None:
 
 
 def _moved_outward(curve: CohesiveCurve, fields: ZoneFields) -> Array:
-    """Zones of `fields`; ends next to very narrow strips of tension are moved outward.
+    """The zones of `fields`, with ends next to very narrow strips of tension moved outward.
 
-    The motion is a fraction of the Newton step that removes the edge intensity. Afterwards the
-    strips are wide enough to be resolved, and the ends are still driven outward.
+    `fields` have no tension and no edge intensity. The motion is a fraction of the Newton step to
+    the edge intensity `wanted` of adhesion without range (JKR). Afterwards the strips are wide
+    enough to be resolved, and the ends are still driven outward.
     """
     problem, zones = curve.problem, fields.density.zones.table
     wanted = math.sqrt(2 * curve.stress * curve.reach / math.pi)
@@ -441,7 +442,7 @@ def solved(context: SolveContext, curve: CohesiveCurve, here: State) -> SolvedZo
 def _solved_zones(
     context: SolveContext, pulled: TractionLoaded, load: float, zones: Array
 ) -> tuple[CohesiveFields, sie.Free, Load]:
-    """(fields, result of the search for the ends, control) of zones under a tension.
+    """(fields, result of the search for the zone ends, control) for contact under a tension.
 
     load: the integral of the contact pressure q, which is the pressure plus the tension.
     """
@@ -469,8 +470,8 @@ def _solved_at_corners(
 ) -> tuple[CohesiveFields, sie.Free, Load]:
     """The result of `_solved_zones` if some zones are pinned at sharp corners.
 
-    The tension fades out over such a zone, so it depends on the free end of the zone. load: the
-    given load.
+    The tension fades out over such a zone, so it depends on the position of the zone's free end.
+    load: the given load.
     """
     before = np.inf
     while True:
@@ -512,7 +513,8 @@ def all_zones(pulled: TractionLoaded, zones: Array) -> sie.Zones:
 
 def everywhere(context: SolveContext, problem: Problem) -> Outcome:
     """The contact under tension on the whole period, found from a contact without adhesion.
-    The latter has a raised load or approach; the tension is subtracted from its pressure.
+    The contact without adhesion has a raised load or approach (`_start_scene`). The tension is then
+    subtracted from its pressure.
     """
     scene = _start_scene(context, problem)
     alone = replace(context, scene=scene, cache=SceneCache(scene))

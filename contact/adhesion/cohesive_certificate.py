@@ -1,8 +1,9 @@
-"""The certificate of a contact under a tension: its frictionless part, reach and stability.
+"""The certificate of a contact under a tension that acts where the gap is below its reach.
 
-Inside the zones, the pressure p is at least minus the tension s, so that q = p + s >= 0. The
-certificate of the frictionless part tests the sign of q, the overlaps, and the balance of the load
-that q carries.
+It checks the frictionless contact under the pressure q, the gap at the ends of the intervals of
+tension, and the stability. Inside the zones, the pressure p is at least minus the tension s, so
+that q = p + s >= 0. The certificate of the frictionless contact tests the sign of q, overlaps of
+the surfaces, and the balance of the load that q carries.
 """
 
 from dataclasses import replace
@@ -28,7 +29,7 @@ from sie import AnyDensity, Array, record, wrapped
 class SolvedCohesive(SolvedZones):
     """Solved zones of contact under a tension that also acts outside the zones.
 
-    cohesive_error: the contribution of the ends of the tension to the error.
+    cohesive_error: the part of the error due to the ends of the intervals of tension.
     """
 
     cohesive_error: float = 0.0
@@ -69,7 +70,8 @@ def certified_everywhere(
 
 
 def certified(plain: Certificate, curve: CohesiveCurve, here: CohesiveState) -> Certificate:
-    """The certificate `plain`, with checks of the gap at the tension's ends and of stability.
+    """The certificate `plain`, with checks of stability and of the gap at ends of tension.
+    These are the ends of the intervals in which the tension acts.
 
     plain: certificate of the frictionless contact, whose pressure is q = pressure + tension.
     """
@@ -104,8 +106,9 @@ def certified(plain: Certificate, curve: CohesiveCurve, here: CohesiveState) -> 
 
 
 def _on_wrong_side(curve: CohesiveCurve, here: CohesiveState, rounding: float) -> str:
-    """Where the gap is above the reach under tension, or below it elsewhere; empty if nowhere.
-    Places next to the ends of the tension do not count. rounding: round-off of the gap.
+    """A message that says where the gap is on the wrong side of the reach; empty if nowhere.
+    The gap is wrong if it is above the reach inside the intervals of tension, or below it outside.
+    Places next to the ends of the intervals do not count. rounding: round-off of the gap.
     """
     (x, gap), table, period = here.gap_samples, here.table, curve.problem.round
     place = wrapped(x, table[0, 0], period)
@@ -124,10 +127,10 @@ def _on_wrong_side(curve: CohesiveCurve, here: CohesiveState, rounding: float) -
 
 
 def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> float:
-    """Bound of the solution's error caused by errors of the ends of the tension.
+    """Bound of the solution's error caused by errors of the ends of the intervals of tension.
 
-    It is the larger of two errors: that of the ends of the tension, divided by the width of their
-    intervals; and the one that these ends cause in the ends of the zones and in the pressure.
+    It is the larger of two errors: the error of these ends, divided by the width of their interval;
+    and the error that it causes in the pressure and in the ends of the zones.
     """
     assert here.q is not None
     rounding = here.q.gap_rounding / TOLERANCES.rounding_margin / curve.reach

@@ -93,8 +93,9 @@ class CohesiveEvents(Events):
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
         """The first jump in a step: the gap crosses the reach of the tension.
-        Outside the tension the gap falls below the reach, or inside it rises above the reach.
-        Points next to the ends of the tension do not count. None if there is no jump.
+        Outside the intervals of tension the gap falls below the reach, or inside them it rises
+        above the reach. Points next to the ends of the intervals do not count. None if there is no
+        jump.
         """
         found: list[tuple[float, float, float, bool]] = []
         for outside in (True, False):
@@ -152,9 +153,9 @@ class CohesiveEvents(Events):
         """Intervals (n, 2) in which the tension should act but does not, or should not but does.
         It should act where the gap is below the reach of the tension.
 
-        If `outside` is true, these lie outside the tension and have a gap below the reach. If not,
-        they lie inside the tension and have a gap above the reach. Places next to the ends of the
-        tension do not count.
+        With `outside`, only places without tension and with a gap below the reach are returned.
+        Otherwise only places with tension and with a gap above the reach are returned. Places next
+        to the ends of the intervals of tension do not count.
         """
         curve, period = self.curve, self.curve.problem.round
         assert isinstance(here, CohesiveState)
@@ -167,8 +168,8 @@ class CohesiveEvents(Events):
         ends = np.append(table.ravel(), table[0, 0] + (period or np.inf))
         for s, e in runs_of(wrong):
             lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
-            # The error of an end of the tension causes a run of wrong samples next to it. Such runs
-            # are left out.
+            # An error of an interval's end causes a run of wrong samples next to this end. Such
+            # runs are left out.
             if s > 0 and e < len(x) - 1 and not np.any((ends > lo) & (ends < hi)):
                 found.append((lo, hi))
         return np.array(found).reshape(-1, 2)
@@ -339,9 +340,10 @@ class CohesiveEvents(Events):
         """Generate the jumps at which zones begin, merge, split or vanish between two states.
 
         low, high: pairs of a position on the path and the state there; at: the state at a position.
-        states_from: yields functions from a fraction of the way to the state ahead of a given state
-        (or behind it) with as many zones. least: smallest range of positions that is halved if
-        several zones change in it; by default a small part of the range from low to high.
+        states_from: for a given state, yields functions of a fraction u from 0 to 1. Each returns
+        the state after this fraction of the way, ahead of or behind the given state, with as many
+        zones. least: smallest range of positions that is halved if several zones change in it; by
+        default a small part of the range from low to high.
         """
         found = changes_between(low[1], high[1], self.curve.problem.round)
         if not found:

@@ -1,4 +1,4 @@
-"""Fields of a contact under a cohesive law in SI units, from q: pressure plus tension."""
+"""Fields, in SI units, of a contact under a cohesive law, from q: the pressure plus the tension."""
 
 import math
 from functools import cached_property
@@ -22,8 +22,9 @@ from sie import Array, Complex, record
 class CohesiveFields(ZoneFields):
     """The fields of a contact with a tension around its zones.
 
-    problem: the deformed profile (`TractionLoaded`), whose pressure is q; law_problem: the problem
-    with the scene's law; rate: d load/d approach, scaled, None under tension everywhere.
+    problem: the frictionless contact of the deformed profile (`TractionLoaded`), whose pressure is
+    q; law_problem: the problem with the scene's law; rate: the derivative d load/d approach,
+    scaled, None under tension everywhere.
     """
 
     law_problem: Problem | None = None
@@ -174,7 +175,8 @@ def fields_of(curve: CohesiveCurve, here: State) -> CohesiveFields | SeparatedFi
 
 
 def scaled_second_variation(here: CohesiveState) -> Array:
-    """Scaled second derivatives of the energy with respect to the tension's free ends.
+    """Scaled second derivatives of the energy with respect to the free ends of tension.
+    These are the ends of the intervals of tension that are not pinned at sharp corners.
 
     s_i is the outward displacement of end i. The entry for ends i and j is d^2 energy/ds_i ds_j
     times the square roots of the widths of their intervals, divided by twice the work of adhesion.

@@ -1,4 +1,4 @@
-"""The gradient flow of the ends of a tension (contact.adhesion.cohesive_zone).
+"""The gradient flow of the ends of the intervals of tension (contact.adhesion.cohesive_zone).
 
 Intervals of tension whose ends are driven outward advance; those driven inward recede. The steps
 are those of contact.adhesion.gradient_flow. In addition, the set of intervals changes. A new
@@ -111,9 +111,10 @@ def guided(
 ) -> CohesiveState | None:
     """A state near equilibrium, found on a grid; its ends all tend to move in one direction.
 
-    The ends are driven outward for sign 1, inward for sign -1. None if the grid is too coarse: the
-    residuals show the error of the grid, which must be below the margin. table: None for tension in
-    all of a period.
+    The ends are driven outward for sign 1, inward for sign -1. On the grid, the reach of the
+    tension is changed by a fraction, the margin. None if the error of the grid exceeds the margin,
+    so that residuals have the wrong sign or are too large. table: None for tension in all of a
+    period.
     """
     for margin in MOVES.margins:
         try:
@@ -216,7 +217,7 @@ def _is_near_rest(curve: CohesiveCurve, here: CohesiveState) -> bool:
 def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | None:
     """The equilibrium near a state whose ends are almost at rest, to full accuracy.
 
-    If intervals begin, merge or are cut at this equilibrium, the flow goes on from the new ones.
+    If intervals of tension begin, merge or are cut there, the flow goes on from the new intervals.
     """
     for _ in range(LIMITS.patience):
         try:

@@ -185,7 +185,8 @@ def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> Stat
 def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
     """The equilibrium at which the surfaces touch at one point without pressure.
 
-    It is near a state whose contact has almost vanished.
+    It is found from a state whose contact has almost vanished. table: the intervals of tension of
+    this state; at: the position of its contact.
     """
     half = 0.02 * float(np.diff(table, axis=1).max())
     lowest = 0.0

@@ -1,10 +1,10 @@
-"""Rates of a state under a cohesive law: derivatives with respect to the ends of the tension.
+"""Rates of a state under a cohesive law: derivatives by the ends of the intervals of tension.
 
-The residual of an end at c is r = 1 - gap(c)/h, with the reach h of the tension. The derivatives of
-r include the motion of the zones. Moving an end of the tension adds a point source at c. To first
-order, the contact pressure changes by the density that this source causes on fixed zones with
-singular ends. At the distance d from the end of a zone, this density is K/sqrt(d), and the contact
-pressure is A sqrt(d). So the end of the zone moves by 2 K/A.
+If an interval of tension ends at x = c, this end has the residual r = 1 - gap(c)/h, with the reach
+h of the tension. The derivatives of r include the motion of the zones. A motion of the end adds a
+point source at c. To first order, the contact pressure changes by the density that this source
+causes on fixed zones with singular ends. At the distance d from the end of a zone, this density is
+K/sqrt(d), and the contact pressure is A sqrt(d). So the end of the zone moves by 2 K/A.
 """
 
 from typing import NamedTuple
@@ -19,12 +19,13 @@ from sie import Array, Mask
 
 
 class EndRates(NamedTuple):
-    """Derivatives with respect to the 2n ends of the tension and the value of the control.
+    """How a state changes with the 2n ends of its n intervals of tension and with the control.
 
-    residual (2n, 2n): derivatives of the residuals with respect to the ends. by_value (2n,): those
-    of the residuals with respect to the value. zones (2Z, 2n + 1): those of the ends of the Z
-    zones; level (2n + 1,): those of the level (minus the approach). In both, the last column
-    belongs to the value and the others to the ends.
+    residual (2n, 2n): derivatives of the ends' residuals with respect to the ends. by_value (2n,):
+    derivatives of the residuals with respect to the value of the control. zones (2Z, 2n + 1):
+    derivatives of the ends of the Z zones. level (2n + 1,): derivatives of the level (minus the
+    approach). In `zones` and `level`, the last column belongs to the control's value, the other
+    columns to the ends of the intervals.
     """
 
     residual: Array
@@ -45,7 +46,8 @@ def contact_rates(
 ) -> EndRates:
     """The rates of a state with contact; `state` solves the equation of the contact pressure.
 
-    is_open: mask (2n,) of the ends of the tension with a gap, which are not at sharp corners.
+    is_open: mask (2n,) of the ends of intervals of tension at which no zone ends. All other ends
+    are pinned at sharp corners, together with the end of a zone.
     """
     at, density = pulled.pulling.table.T.ravel(), state.density
     free, ends, zones = at[is_open], np.flatnonzero(is_open), density.zones
@@ -75,9 +77,10 @@ def contact_rates(
 def _answers(
     pulled: TractionLoaded, state: sie.State, control: Control, free: Array
 ) -> sie.Answers:
-    """Responses of the contact pressure to motions of ends of the tension, and to the control.
+    """Responses of the contact pressure to motions of ends of intervals of tension.
+    The last response is that to the control.
 
-    free: positions of the ends of the tension that move.
+    free: positions of the ends that move.
     """
     stress = pulled.pulling.stress
     strengths = np.hstack((stress * np.eye(len(free)), np.zeros((len(free), 1))))
@@ -96,17 +99,17 @@ def _answers(
 
 
 def own_gap_rates(pulled: TractionLoaded, at: Array, transform: Array) -> Array:
-    """Derivatives (2n, 2n) of the gap at the tension's ends, for fixed contact pressure q.
-    They are with respect to outward displacements of these ends.
+    """Derivatives (2n, 2n) of the gap at the ends of the intervals of tension.
+    They are with respect to outward displacements of these ends, for fixed contact pressure q.
 
-    transform: the kernel's transform of the contact pressure q at the ends.
+    at: positions of the ends. transform: the kernel's transform of q at the ends.
     """
     tension, stress, count = pulled.pulling, pulled.pulling.stress, len(at) // 2
     lag = at[:, None] - at
     np.fill_diagonal(lag, 1.0)
     between = stress / np.pi * tension.log(lag)
-    # Only the other ends contribute to the slope of the gap at an end. The singular
-    # contributions of the end itself and of its motion cancel.
+    # `slopes` is the tension's part of the gap's slope at each end. Only the other ends contribute
+    # to it. The singular contributions of the end itself and of its motion cancel.
     slopes = stress / np.pi * tension.logs(at) * np.concatenate((np.ones(count), -np.ones(count)))
     np.fill_diagonal(slopes, 0.0)
     away = np.concatenate((-np.ones(count), np.ones(count)))

@@ -81,7 +81,7 @@ class CohesiveState(State):
 
     @property
     def gains(self) -> Array:
-        """Factors (2n,) from rates of the residuals to second derivatives of the energy: here 1.
+        """Factors (2n,) that turn rates of the residuals into second derivatives of the energy: 1.
         The residuals are already proportional to the first derivatives of the energy with respect
         to the ends.
         """
@@ -90,10 +90,10 @@ class CohesiveState(State):
 
 @record
 class PastState:
-    """Intervals of tension, control value and zones of an earlier state, with derivatives of zones.
+    """Data of an earlier state from which the solution of other states starts.
 
-    The ends of zones are differentiated by the ends of the tension and by the control. These data
-    start the solution of other states.
+    table: the intervals of tension. value: the value of the control. by_ends: derivatives of the
+    ends of the zones with respect to the ends of the intervals and to the control.
     """
 
     table: Array

@@ -1,17 +1,17 @@
-r"""Curves of equilibria of a cohesive law: a constant tension s where the gap is below the reach h.
+r"""Curves of equilibria of a cohesive law: a constant tension where the gap is below the reach h.
 
 The unknowns are the ends c of the intervals I = {gap < h}. For given I, the contact is the
 frictionless contact of a deformed profile (deformed_profile.py); this problem is convex and its
-zones are unique. An outward motion ds of an end changes the energy by -s (h - gap(c)) ds. So the
-residual and its Jacobian are
+zones are unique. An outward motion ds of an end changes the energy by -sigma (h - gap(c)) ds, with
+the tension sigma. So the residual and its Jacobian are
 
     r = 1 - gap(c)/h,   J = dr/ds = -(1/h) d gap(c)/ds.
 
-They replace the residual and the Jacobian of the edge intensities (contact.adhesion.curve). Under
-load control, tension anywhere brings the surfaces closer everywhere. Then J is positive off its
+They replace the residual and the Jacobian of the edge intensities (contact.adhesion.curve). Under a
+fixed load, tension anywhere brings the surfaces closer everywhere. Then J is positive off its
 diagonal and the map I -> {gap < h} is monotone: intervals whose ends are all driven outward grow to
 the smallest equilibrium that contains them. Under a given approach of a periodic contact the map is
-not monotone, since far from a tension the surfaces move apart.
+not monotone, since the surfaces move apart far from an interval of tension.
 """
 
 import math
@@ -152,7 +152,7 @@ class CohesiveCurve(Curve):
         return fitted(zones, table, self.problem.round, corners=self.problem.corners)
 
     def _followed(self, before: PastState, table: Array, value: float) -> Array:
-        """The zones of a known state, extrapolated to other intervals and another control value."""
+        """The zones of the state `before`, extrapolated to other intervals and another control."""
         zones = before.zones
         if len(before.table) != len(table):
             return self.fitted(zones, table)

@@ -1,8 +1,9 @@
 """Points of a curve of equilibria, with the tangent of the curve there.
 
 Motions of ends are in units of the widths of the zones. The unit of the control is the change that
-moves some end by the width of its zone. So one unit tangent contains both. At a turning point the
-control has an extreme along the arc.
+moves the fastest end by the width of its zone. In these units, one unit vector, the tangent, has
+the motions of the ends and of the control. At a turning point the control has a maximum or minimum
+along the curve.
 """
 
 from dataclasses import dataclass, replace

@@ -138,7 +138,8 @@ def branch_scaling(context: SolveContext, intensity: float) -> ScaledScene:
 def _typical(context: SolveContext, intensity: float) -> Solution:
     """A contact without adhesion (law `bare`), about as wide as the adhesive contact.
 
-    The tension of adhesion, sqrt(pi E* w times the width in contact), acts there as a load.
+    It is under a load of the size of the adhesive force, sqrt(pi E* w b), with the work of adhesion
+    w and the width b in contact.
     """
     scene = context.scene
     strength = math.pi * intensity
@@ -187,8 +188,8 @@ def start_contact(context: SolveContext, load: float | None = None) -> Solution:
 def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: float) -> State:
     """The equilibrium reached as zones grow from first touch, or from zones without adhesion.
 
-    Of all equilibria whose zones contain the start, it has the smallest zones. `value`: of the
-    control; the start is first touch if `value` is 0, and the zones without adhesion above 0.
+    Of all equilibria whose zones contain the start, it has the smallest zones. value: value of the
+    control. The start is first touch if `value` is 0, and the zones without adhesion above 0.
     """
     with closing_foreseen(context, curve, value):
         table = touched(curve, scaled.cell) if value == 0.0 else _pressed(context, scaled)
@@ -207,8 +208,8 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
     """A zone so wide that its ends, and the ends of wider zones, tend to recede.
 
     If the approach is the control, and is measured from a datum, a load on a zone much wider than
-    the distance of the datum lowers the approach. The search ends at such a zone. Between sharp
-    corners the zone is the whole interval.
+    the distance of the datum lowers the approach. At such a zone the search gives up and raises
+    OutOfRange. Between sharp corners the zone is the whole interval.
     """
     if curve.problem.profile.support is not None:
         return np.array([curve.problem.corners])

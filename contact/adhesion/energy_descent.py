@@ -1,10 +1,10 @@
 """The energy descent: steps of the ends of zones along which the energy falls.
 
 Under a fixed load, an end that moves drives all other ends the same way. The gradient flow
-(contact.adhesion.gradient_flow) then moves all ends in one direction. Under a fixed approach of a
-period, a zone that recedes lets the surface come closer elsewhere. Other zones advance or begin
-there. The steps are then those of the implicit Euler method for D ds/dt = r. Here s are the
-positions of the ends, D is a diagonal damping, and the residual r is a descent direction of the
+(contact.adhesion.gradient_flow) then moves all ends in one direction. Under a fixed approach in
+periodic contact, a zone that recedes lets the surfaces come closer elsewhere. Other zones advance
+or begin there. The steps are then those of the implicit Euler method for D ds/dt = r. Here s are
+the positions of the ends, D is a diagonal damping, and the residual r is a descent direction of the
 energy. The steps are as long as the limits allow and approach Newton steps. The energy falls, so
 that the equilibrium at the end is stable.
 """

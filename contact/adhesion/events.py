@@ -103,14 +103,14 @@ class Events:
     def reopening(self, here: PathState, value: float) -> Jump | None:
         """The jump at which closed surfaces open while the control decreases to `value`.
 
-        None here, since closed surfaces stay closed under adhesion without range.
+        None for JKR, since closed surfaces stay closed under adhesion without range.
         """
         return None
 
     def off_curve(self, here: State, value: float) -> Iterator[Jump | PathState] | None:
-        """The events on the way to `value`, if the state's tension has no ends; otherwise None.
-        Under tension on the whole period, they end with a jump or with the path state at `value`.
-        Adhesion at the ends of zones always has ends, so None here.
+        """The events from a state under tension on the whole period to the control value `value`.
+        The last event is a jump, or the path state at `value`. None if the tension acts on
+        intervals, and always None under adhesion at the ends of zones.
         """
         return None
 
@@ -132,8 +132,8 @@ class Events:
     def shrunk(self, table: Array, value: float) -> PathState:
         """The path state reached when the ends of given zones have receded to an equilibrium.
 
-        Under a fixed approach of a period, a lost zone lets the surface come closer elsewhere, so
-        that zones may begin there.
+        Under a fixed approach in periodic contact, a lost zone lets the surfaces come closer
+        elsewhere, so that zones may begin there.
         """
         try:
             rest = (receded if self.by_load else relaxed)(self.curve, table, value)
@@ -170,11 +170,11 @@ class Events:
         return Jump(self.kind(before, after, rises), place, before, after)
 
     def vanishing(self, here: State, sense: float) -> Jump | None:
-        """The jump where the curve stops without a turning point; here there is none."""
+        """The event at which a vanishing zone ends the curve of equilibria; none for JKR."""
         return None
 
     def smooth_changes(self, step: Step, length: float, last: State) -> Iterator[Jump]:
-        """The events inside a step at which zones change but no end jumps; here there are none."""
+        """The events inside a step at which zones change but no end jumps; none for JKR."""
         return iter(())
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:

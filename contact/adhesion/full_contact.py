@@ -7,13 +7,13 @@ takes a tenth of a second. Three conditions are tested, the cheap ones first:
 1. Full contact is an equilibrium: its least pressure is above the limit of the law.
 2. The energy of full contact is below the energy at first touch. A contact that grows only lowers
     its energy, so otherwise it cannot reach full contact.
-3. The contact on the grid, grown from first touch, ends in full contact. The grid does not resolve
-    the narrow strip next to a zone on which a strong attraction acts. So the strong attraction is
-    replaced by a weaker one with a longer reach and the same work, whose strip is a few cells wide.
-    For strips much narrower than the zones only the work matters.
+3. The contact on the grid, grown from first touch, ends in full contact. A strong attraction acts
+    on strips next to the zones that are too narrow for the grid. So a weaker attraction with the
+    same work and a longer reach replaces it. Its strips are a few cells wide. As long as the strips
+    are much narrower than the zones, only the work matters.
 
-The map from intervals of attraction to {gap < reach} is monotone under a fixed load. So is the
-answer: a contact that closes under a load closes under every larger load.
+The map from the intervals on which the attraction acts to {gap < reach} is monotone under a fixed
+load. So a contact that closes under a load also closes under every larger load.
 """
 
 import math
@@ -54,7 +54,7 @@ _SEEN_ON_GRID = "on a coarse grid it ends in full contact, and was not followed 
 
 
 def _note(context: SolveContext) -> None:
-    """Add to the plan that the contact would close, by the coarse grid."""
+    """Add to the plan that the contact on a coarse grid ends in full contact."""
     part = context.plan["branch"]
     part.detail = "; ".join(filter(None, (part.detail, _SEEN_ON_GRID)))
 
@@ -63,8 +63,8 @@ def _note(context: SolveContext) -> None:
 def closing_foreseen(context: SolveContext, curve: Curve, value: float) -> Iterator[None]:
     """Raise `Closed` if the contact, advancing at this control, would end in full contact.
 
-    The test is made before the contact is followed if that takes long, and after following it has
-    failed.
+    If following the contact would take long, the test is made first. It is also made after
+    following the contact has failed.
     """
     if _is_followed_slowly(context) and _closes(context, curve, value, _OPTIONS.work_share):
         _note(context)

@@ -59,8 +59,8 @@ class GridRest:
 class GridGuide(sie.Kept):
     """A problem under a law with tension, discretised on a grid.
 
-    x0, width: the period, or the window of a lone body [m]. by_load: whether the control is a
-    load, else an approach.
+    x0, width: left end and width of the grid [m], which covers a period, or a window in isolated
+    contact. by_load: whether the control is a load, else an approach.
     """
 
     problem: Problem
@@ -248,7 +248,9 @@ class GridGuide(sie.Kept):
 
 
 def shares_below(above: Array) -> Array:
-    """Fraction of each cell in which a function, linear between cell middles, is negative."""
+    """Fraction of each cell in which a function is negative, given its values at cell middles.
+    The function is linear between neighbouring middles.
+    """
     half = 0.5 * (above + np.roll(above, -1))
     return 0.5 * (_part_below(above, half) + np.roll(_part_below(half, np.roll(above, -1)), 1))
 

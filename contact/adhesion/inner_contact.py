@@ -2,9 +2,9 @@
 
 The pressure q is K/sqrt(d) + A sqrt(d) at a small distance d from the end of a zone, with the edge
 intensity K and the edge slope A. The ends of the zones are moved by Newton steps 2 K/A within the
-intervals. At the end of an interval the slope of the deformed profile is logarithmically infinite.
-Near this end, K varies as the square root of the distance between the end of the zone and the end
-of the interval. After the search, `inner_signs` tests the signs of pressure and gap.
+intervals of tension. At the end of an interval the slope of the deformed profile is logarithmically
+infinite. Near this end, K varies as the square root of the distance between the end of the zone and
+the end of the interval. After the search, `inner_signs` tests the signs of pressure and gap.
 """
 
 from __future__ import annotations
@@ -45,9 +45,10 @@ class EndsCovered(NoState):
 class InnerTolerances:
     """Tolerances for the solution of a contact under tension.
 
-    density: tolerance of the density. ends: largest last Newton step of the ends, relative to the
-    strips of tension next to them. last: after a Newton step below this limit, one more step is
-    taken without a check, since Newton's method squares the error.
+    density: tolerance of the density. ends: the search ends when the Newton steps of the zone ends
+    are below this limit, relative to the strips of tension next to them. last: after a Newton step
+    below this limit, one more step is taken without a check, since Newton's method squares the
+    error.
     """
 
     density: float = ACCURACY.density
@@ -220,8 +221,9 @@ def _lowest(pulled: TractionLoaded) -> Array:
 def _refuse_covered(
     here: TractionLoaded, zones: Array, close: Mask, step: Array, room: Array
 ) -> None:
-    """Raise EndsCovered if a zone covers an end of its interval, since the strip there has closed.
-    Strips that end at a sharp corner do not count, as they may be arbitrarily narrow.
+    """Raise EndsCovered if a zone covers an end of its interval of tension.
+    The strip of tension there has then closed. Strips that end at a sharp corner do not count, as
+    they may be arbitrarily narrow.
 
     close: mask (2, n) of the ends with hardly any strip of tension; step: Newton steps of the ends;
     room: widths of the strips.

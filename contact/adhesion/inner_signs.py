@@ -112,7 +112,10 @@ def sample_places(pulled: TractionLoaded, zones: Array) -> Array:
 def _refined(
     fields: ZoneFields, zone: int, place: Array, q: Array, least: float
 ) -> tuple[Array, Array]:
-    """(points of a zone, pressure q at the points); points are added near minima of q."""
+    """(points x of a zone, q / sqrt(left * right) there), with points added near minima.
+    q is the pressure; left and right are the distances of x from the ends of the zone, divided by
+    its half width. The arguments `place` and `q` have such values at the first points.
+    """
     density, zones = fields.density, fields.density.zones
     for _ in range(_OPTIONS.refinements):
         inner = np.flatnonzero((q >= least) & (reaches(-q) > 0.0))
@@ -132,7 +135,7 @@ def _refined(
 
 
 def signs_hold(fields: ZoneFields, gap_samples: tuple[Array, Array]) -> bool:
-    """Whether pressure is positive on all zones, and no gap is negative where tension acts."""
+    """Whether the pressure q is positive on all zones, and no gap is negative under tension."""
     return corrected(fields, gap_samples) is None
 
 

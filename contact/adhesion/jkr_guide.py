@@ -70,8 +70,8 @@ def _with_range(
     if negative. None if some ends are driven outward and others inward.
 
     At the distance v from a tip (end of a zone of `tips`) the pressure is A sqrt(v) - K/sqrt(v). A
-    strip of width d under the tension s replaces the term with K = 2 s sqrt(d)/pi. The width d
-    follows from the condition that the gap at the end of the strip is the reach h:
+    strip of width d under the tension s replaces the term K/sqrt(v), where K = 2 s sqrt(d)/pi. The
+    width d follows from the condition that the gap at the end of the strip is the reach h:
     4 s d/pi + 4 A d^(3/2)/3 = E* h.
     """
     wide = (1.0 - margin) * curve.strip
@@ -113,10 +113,10 @@ def near_pull_off(
     here: State,
     recede: Callable[[CohesiveCurve, Array, float], CohesiveState | None],
 ) -> CohesiveState | None:
-    """An equilibrium near the least control value, found by means of a law without range (JKR).
+    """An equilibrium near pull-off, the least control value with contact; found by means of JKR.
 
-    The law without range has a larger work of adhesion. recede: moves ends that are driven inward
-    to an equilibrium. None if this way finds no equilibrium.
+    The law without range (JKR) is taken with a larger work of adhesion. recede: moves ends that are
+    driven inward to an equilibrium. None if no equilibrium is found in this way.
     """
     short = _curve_without_range(curve, here.contact, 1.0 + MOVES.margins[0])
     if short is None:

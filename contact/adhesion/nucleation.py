@@ -25,9 +25,9 @@ from sie import Array
 def grown(curve: Curve, table: Array, value: float, rest: float = ACCURACY.resting_step) -> State:
     """The equilibrium with the smallest zones that contain the zones `table`.
 
-    The ends of the zones `table` are all driven outward. The surfaces overlap nowhere. Raises
-    `Closed` if there is no such equilibrium. rest: largest Newton step, relative to the widths, of
-    ends at rest.
+    All ends of the zones `table` must be driven outward. In the equilibrium the surfaces overlap
+    nowhere. Raises `Closed` if there is no such equilibrium. rest: largest Newton step, relative to
+    the widths, of ends at rest.
     """
     for _ in range(LIMITS.max_iterations):
         here = advanced(curve, table, value, rest)
@@ -139,7 +139,9 @@ def changes_between(
 
 
 def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
-    """An interval that contains (a, b), where a zone begins or vanishes, and no other zone."""
+    """An interval around (a, b) that contains no other zone.
+    (a, b) is the interval in which a zone begins or vanishes.
+    """
     lo, hi = 1.5 * a - 0.5 * b, 1.5 * b - 0.5 * a
     for shift in (0.0,) if period is None else (-period, 0.0, period):
         for left, right in zones + shift:

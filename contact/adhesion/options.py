@@ -1,6 +1,6 @@
 """Options that all modules of contact.adhesion share.
 
-All of them are insensitive: a factor of two either way changes the number of steps, but no answer.
+A change of any option by a factor of two changes the number of steps, but no result.
 """
 
 from dataclasses import dataclass

@@ -37,9 +37,10 @@ from sie import Array
 class PathRoute:
     """Those functions of a loading path that differ between the laws of adhesion.
 
-    law: the events. started: the path state at a value of the control, not below first touch.
-    fields: the fields of an equilibrium. outcome: the solution at the present state of the path.
-    separation: the state at which contact under a fixed approach is lost; None if it is not found.
+    law: the events of the path. started: returns the path state at a control value not below first
+    touch. fields: returns the fields of an equilibrium. outcome: returns the solution at a state of
+    the path. separation: returns the state at which contact under a fixed approach is lost, or None
+    if it is not found.
     """
 
     law: Events

@@ -1,4 +1,4 @@
-"""The pull-off of a solution, found when the solution is asked for it."""
+"""The pull-off of a solution, which is computed only when a user asks for it."""
 
 from __future__ import annotations
 

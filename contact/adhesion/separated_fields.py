@@ -69,7 +69,7 @@ class SeparatedFields(NoZones):
 
     problem: the problem with the scene's law; pulled: the problem of the profile that the tension
     has deformed; level: minus the scaled approach. The stiffness is None, since the ends of the
-    tension move with the approach.
+    intervals of tension move with the approach.
     """
 
     problem: Problem

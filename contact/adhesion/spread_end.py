@@ -1,6 +1,6 @@
-"""An end of a uniform tension that is spread over a zone (a, b) of contact.
+"""A gradual end of a uniform tension, which is spread over a zone (a, b) of contact.
 
-The tension ends with the distribution mu, the equilibrium measure of the zone: d mu = d xi/(pi
+The end is distributed over the zone with the equilibrium measure mu: d mu = d xi/(pi
 sqrt((xi - a)(b - xi))). With z = (x - middle)/half,
 
     int ln|x - xi| d mu = ln(half/2) + arcosh|z|,
@@ -85,7 +85,8 @@ class SpreadEnd:
         )
 
     def in_plane(self, z: Complex, period: float | None) -> tuple[Complex, Complex]:
-        """The potential `log` (or `periodic_log`) and its derivative at z (n,), Im z >= 0.
+        """Complex potential of the spread end, and its derivative, at points z (n,), Im z >= 0.
+        On the real axis the real part of this potential is `log`, or `periodic_log` with a period.
 
         With a period, only the imaginary part of the potential changes if z moves by a period.
         """
@@ -142,8 +143,8 @@ class SpreadEnd:
         """(points, weights) for integrals over the zone of a function times 1 - eta.
         eta is the local fraction of the tension, which fades out over the zone.
 
-        end: 0 if the left end of the tension is spread, -1 if the right one is. The rule has panels
-        between the `breaks`.
+        end: 0 if the zone spreads the left end of the first interval of tension, -1 if it spreads
+        the right end of the last one. The panels of the rule end at the `breaks`.
         """
         inner = breaks[(breaks > self.a) & (breaks < self.b)]
         cuts = np.unique(

@@ -35,7 +35,7 @@ class UniformTension(sie.Kept):
     table: the intervals (m, 2), ascending; everywhere: whether the tension acts on the whole
     period; plain: whether the kernel has no regular part; compression: minus the change of the
     height by a unit tension on the whole period; spread: the zones pinned at the left and at the
-    right corner, over which the first and the last end of the tension are spread.
+    right corner, over which the first and the last end of all intervals are spread.
     """
 
     stress: float
@@ -144,7 +144,7 @@ class UniformTension(sie.Kept):
         return factor * value.reshape(np.shape(z)), factor * slope.reshape(np.shape(z))
 
     def logs(self, x: Array) -> Array:
-        """Potentials (P, 2 m) at points (P,) due to a unit line load at each interval end."""
+        """Potentials Lambda (P, 2 m) at points x (P,) of a unit line load at each interval end."""
         values = self.log(x[:, None] - self.table.ravel())
         for end, zone in self.spreads:
             values[:, end] = self._spread_log(x, zone)
@@ -242,7 +242,7 @@ class UniformTension(sie.Kept):
         return np.asarray(rest)
 
     def _primitive(self, lag: Array) -> Array:
-        """Antiderivative of the singular part (poles, or Hilbert kernel) of the potential."""
+        """Antiderivative of the singular part (poles, or Hilbert kernel) of Lambda."""
         if self.period is not None:
             turns = np.asarray(lag) / self.period
             return -self.period / (2 * np.pi) * clausen2(turns - np.round(turns))
@@ -253,7 +253,7 @@ class UniformTension(sie.Kept):
         return out
 
     def _regular(self, x: Array) -> Array:
-        """Integral of the potential's regular part over the intervals of tension.
+        """Integral, over the intervals of tension, of the regular part of the potential Lambda.
         It is computed by Gauss quadrature.
         """
         at, weights = self._panels

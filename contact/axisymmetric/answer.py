@@ -205,8 +205,8 @@ class Spot(sie.Kept):
         The series is in x^2/a^2, with a the radius of the spot. Nodes and weights are those for the
         integral over s from 0 to 1 at the head of this module.
 
-        The nearest singularity is at `rim`, where the neighbours begin. So the coefficients fall
-        like (rim + sqrt(rim^2 - 1))^(-degree), to round-off at the degree taken.
+        The nearest singularity of e'(x)/x is at `rim`, where the neighbours begin. So the
+        coefficients fall like (rim + sqrt(rim^2 - 1))^(-degree), to round-off at the chosen degree.
         """
         rim = 2.0 * (self.reach / self.radius) ** 2 - 1.0
         needed = 8 + int(-log(EPS) / log(rim + sqrt(rim**2 - 1.0)))
@@ -260,10 +260,9 @@ class Spot(sie.Kept):
         return self.approach - self.depth - self.profile.height(r) + self.gap(r)
 
     def balance(self) -> float:
-        """Relative error of the load balance: integral of the pressure divided by the load, minus
-        1.
+        """Relative error of the load balance: (integral of the pressure) / load - 1.
 
-        This difference checks the transforms against each other.
+        It checks the transforms against each other.
         """
         nodes, weights = panels(
             [0.0, *np.minimum(self.profile.breakpoints, self.radius), self.radius]
@@ -273,9 +272,9 @@ class Spot(sie.Kept):
         return float(2.0 * pi * np.sum((weights * nodes * pressure)[known]) / self.load) - 1.0
 
     def check(self) -> None:
-        """Raise OutOfRange if the solution is no full circle: pressure or gap somewhere negative.
+        """Raise OutOfRange if contact is not one full circle.
 
-        The signs are wrong if the pressure in the spot or the gap around it is negative.
+        That is so if the pressure in the spot, or the gap around the spot, is negative somewhere.
         """
         count = _OPTIONS.samples
         angle = (np.arange(count) + 0.5) * (0.5 * pi / count)

@@ -2,8 +2,8 @@ r"""Asperities of several heights: levels that come into contact one after anoth
 
 Level i has N_i spots per unit area, and each spot carries the load P_i. The tips of level j are d_j
 below the highest tips. At the approach delta, level j touches when the deformed surface reaches its
-tips: delta - u(tip) = d_j. The levels in contact cause the displacement u: the neighbours treated
-at their places as means over the angle, and the neighbours beyond by their nominal pressures
+tips: delta - u(tip) = d_j. The levels in contact cause the displacement u. Neighbours treated at
+their places contribute means over the angle; farther neighbours act by their nominal pressures
 N_i P_i. From then on, level j is a further kind of spot in the same system. All kinds have one
 delta, and sum N_i P_i is the nominal pressure. With `rings=0`, the other spots of a spot's own
 level act outside the circle of radius (pi N_j)^(-1/2), whose area is the area per spot, as in the
@@ -184,7 +184,7 @@ def solve_levels(
         Number of rings of neighbours treated at their places, up to inf; 0: the first step of the
         localization.
     tol : float
-        Largest relative error of the solution of that model.
+        Largest allowed relative error of the solution; the error of the model is not included.
 
     Returns
     -------
@@ -242,7 +242,7 @@ def touch_pressures(
     tol: float = 1e-10,
 ) -> Array:
     """Nominal pressure at which each level (group of equal asperities) begins to touch.
-    It is inf if the spots of other levels would merge before.
+    It is inf if the spots of other levels would merge at a lower pressure.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def touch_pressures(
         Number of rings of neighbours treated at their places, up to inf; 0: the first step of the
         localization.
     tol : float
-        Largest relative error of the solution of that model.
+        Largest allowed relative error of the solution; the error of the model is not included.
 
     Returns
     -------
@@ -272,7 +272,7 @@ def touch_pressures(
 
     Examples
     --------
-    Just above that pressure the low level is in contact; just below it is not.
+    The low level touches just above its pressure, but not just below it.
 
     >>> from contact.axisymmetric import Level, Sphere, solve_levels, touch_pressures
     >>> levels = [Level(Sphere(1e-3), density=1e8), Level(Sphere(1e-3), depth=1e-8, density=1e8)]
@@ -366,7 +366,7 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
 def _system(
     levels: Sequence[Level], lattice: Lattice | None, rings: float
 ) -> tuple[list[Kind], float]:
-    """The kinds of spots in a checked scene, and the number of rings of single neighbours.
+    """(the kinds of spots, the number of rings of single neighbours); the input is checked.
     The neighbours in these rings keep their true positions; farther ones act as a mean pressure.
     """
     levels = list(levels)

@@ -3,23 +3,23 @@ r"""The effect of neighbouring spots on a spot, as an Abel transform of their di
 A point force Q at the distance D from the centre of a ring of radius r < D displaces the ring, in
 the mean, by (Q/(pi E*)) mean 1/|r - D| = (2Q/(pi^2 E* D)) K(r/D), with the complete elliptic
 integral K. That is (2/pi) int_0^r psi(x) dx/sqrt(r^2 - x^2) with
-psi = (Q/(pi E*))/sqrt(D^2 - x^2). Now let an axisymmetric pressure take the place of Q, whose own
-displacement is (2/pi) int_0^r w(t) dt/sqrt(r^2 - t^2). Integrated with this pressure over its
-points, 1/sqrt(D^2 - x^2) becomes the potential of the pressure at the height i x. Complex sources
-at t give this potential in closed form:
+psi = (Q/(pi E*))/sqrt(D^2 - x^2). Now let an axisymmetric pressure take the place of Q. The
+displacement that it causes under itself is (2/pi) int_0^r w(t) dt/sqrt(r^2 - t^2). Integrated with
+this pressure over its points, 1/sqrt(D^2 - x^2) becomes the potential of the pressure at the height
+i x. Complex sources at t give this potential in closed form:
 
     psi(x) = (1/pi) int_-a^a w(t) dt / sqrt(D^2 - (x - t)^2),        |x| + a < D.
 
 The azimuthal mean of every neighbour is thus exact, and the kernel is a smooth function of x - t.
 Only some rings of neighbours are treated at their places. The other neighbours, N per unit area
-with the load P each, act as the nominal pressure N P outside a circle of radius A. The area of this
-circle is the area of pi A^2 N spots: the spot itself and the neighbours treated at their places
-(for rings = 0 the spot alone):
+with the load P each, act as the nominal pressure N P outside a circle of radius A. On average, this
+circle contains pi A^2 N spots. This is the number of the neighbours treated at their places, plus 1
+for the spot itself (for rings = 0 it is 1):
 
     psi(x) = -(2 N P/E*) sqrt(A^2 - x^2),                            x < A,
 
-measured from the mean plane. With all rings there is no circle, and lattice sums give the far part
-of the series in (x - t)^2/D^2.
+measured from the mean plane. With all rings there is no circle. The far rings then contribute a
+power series in x - t, whose coefficients are lattice sums.
 
 The sums of |R + d|^(-s) over a plane lattice, without R + d = 0, are computed by Ewald summation
 with the cell area V as splitting parameter:
@@ -31,7 +31,7 @@ with the cell area V as splitting parameter:
 with rho = |R + d| and k the points of the reciprocal lattice. The sum' leaves out R + d = 0, and
 [d on the lattice] is 1 if d is a lattice point, else 0.
 
-For s > 2 it is the plain sum. For s = 1 the plain sum diverges, and Z is the sum minus the
+For s > 2, Z is the plain sum. For s = 1 the plain sum diverges, and Z is the sum minus the
 potential of the same load spread evenly; the displacement is then measured from its mean.
 """
 
@@ -106,9 +106,9 @@ class Surroundings:
 
     def outside(self, x: ArrayLike) -> Array:
         """Effect at x of a mean pressure outside a circle: sqrt(A^2 - x^2), or 0 for x >= A.
-        A is the radius of the circle. If `kernel` is given, A is subtracted.
+        A is the radius of the circle.
 
-        The constant of the kernel contains this A.
+        If `kernel` is given, A is subtracted here, since the constant of the kernel contains it.
         """
         x = np.asarray(x, dtype=np.float64)
         root = np.sqrt(np.maximum((self.circle - x) * (self.circle + x), 0.0))

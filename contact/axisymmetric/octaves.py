@@ -5,9 +5,9 @@ a cone and r^1.5 are as accurate as a paraboloid. Octaves are computed when firs
 
 The derivative of f is taken with respect to ln r, so that no step leaves r > 0. It is a complex
 step if the user's function accepts complex numbers, and a finite difference otherwise. The second
-derivative is computed from the series. Towards the tip, differences of heights become round-off. So
-from some octave on towards the tip, r f' is a power of r that is fitted to the octave above: from
-the first octave on which this power is more accurate than the series. The last coefficients of the
+derivative is computed from the series. Towards the tip, differences of heights become round-off.
+There r f' may be replaced by a power of r that is fitted to the octave above. This power is used
+from the first octave on which it is more accurate than the series. The last coefficients of the
 series give the error.
 """
 
@@ -256,7 +256,7 @@ class Octaves:
         """The series on octave k, from values of the function at Chebyshev nodes.
         The number of nodes grows until the last coefficients stop decreasing fast.
 
-        The loop also ends once these terms are negligible.
+        The loop also ends once these last coefficients are negligible.
         """
         if k in self._from_values:
             return self._from_values[k]

@@ -125,14 +125,15 @@ class AxisymmetricProfile(sie.Kept):
         return bool(tip > 0.5 * near and tip > 1e-7 * abs(far))
 
     def line(self, x: ArrayLike) -> Array:
-        """Equivalent plane profile g(x) [m]; g(a) is the penetration of a lone spot of radius a."""
+        """Equivalent plane profile g(x) [m]; g(a): penetration of an isolated spot of radius a."""
         r, weight = quarter(x, self.breakpoints)
         return np.asarray(np.asarray(x) * np.sum(weight * self.slope(r), axis=-1))
 
     def line_slope(self, x: ArrayLike) -> Array:
         """The derivative g'(x) of the equivalent plane profile.
 
-        g'(x) = int_0^(pi/2) (r f')'(x sin phi) dphi + sum b J/sqrt(x^2 - b^2) over edges b < x.
+        g'(x) = int_0^(pi/2) (r f')'(x sin phi) dphi + sum b J/sqrt(x^2 - b^2), where the sum is
+        over the edges: the radii b < x at which f' jumps by J.
         """
         x = np.asarray(x, dtype=np.float64)
         r, weight = quarter(x, self.breakpoints)
@@ -178,7 +179,7 @@ class AxisymmetricProfile(sie.Kept):
 def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
     """Kernel M(r, s) of the pressure integral, without cancellation at r = s and at the edge a.
 
-    The head of this module defines it. It is computed by Carlson's integral R_F (DLMF 19.29.4).
+    The head of this module defines M. It is computed by Carlson's integral R_F (DLMF 19.29.4).
 
     The function H1 of the paper's equation (3) is 4 s M(r, s).
     """

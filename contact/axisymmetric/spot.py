@@ -70,7 +70,7 @@ def solve_spot(
         Number of rings of neighbours treated at their places, up to inf; 0: the first step of the
         localization.
     tol : float
-        Largest relative error of the solution of that model.
+        Largest allowed relative error of the solution; the error of the model is not included.
 
     Returns
     -------
@@ -164,9 +164,8 @@ def first_step_load(profile: Any, E_star: float, density: float, spot_radius: fl
     """Load of a spot of a given radius, with its neighbours replaced by a mean pressure.
     This is the first step of the localization method.
 
-    The load is P_s = P_f(a)/(1 - F(a/A)); see the head of this module.
-
-    It is the closed form of the paper's equations (1) and (4).
+    The load is P_s = P_f(a)/(1 - F(a/A)), in the notation at the head of this module. It is the
+    closed form of the paper's equations (1) and (4).
 
     Parameters
     ----------

@@ -89,8 +89,8 @@ class Surface:
     """Effect of all other spots on the displacement under a spot, after the Abel transform.
     The displacement is measured from the mean plane.
 
-    sources: the neighbours treated at their places. nominal: the others, as pairs of 2 N P/E* and
-    of the `Surroundings` with the circle outside which this nominal pressure acts.
+    sources: the neighbours treated at their places. nominal: the farther neighbours, as pairs of
+    2 N P/E* and of the `Surroundings` with the circle outside which the nominal pressure N P acts.
     """
 
     sources: tuple[Source, ...]
@@ -322,9 +322,9 @@ def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n
             # radius is doubled or halved.
             steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
             size = abs(state.delta) + kinds[j].depth
-            # For tiny spots the step cannot fall below its tolerance. So the iteration also ends if
-            # the residual w(a) at every edge is only round-off of the approach and the depth
-            # (`size`).
+            # For tiny spots round-off keeps the step above its tolerance. So the iteration also
+            # ends if the residual w(a) at every edge is only round-off of the approach and the
+            # depth (`size`).
             rounding &= bool(abs(state.edges[j]) <= 4 * EPS * size)
         steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
         trace.append(float(np.max(np.abs(steps[active] / radii[active]))))

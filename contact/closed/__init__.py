@@ -1,1 +1,1 @@
-"""One symmetric zone in closed form: in, a symmetric profile and loads; out, its Solution."""
+"""Closed-form solutions of scenes with one symmetric zone of contact."""

@@ -96,7 +96,9 @@ class ClosedFields(ZoneFields):
         return float(self.zone.widths) / self.scene.period
 
     def _pressure(self, x: Array, from_left: Array, to_right: Array) -> Array:
-        """Pressure [Pa] at positions x in the zone; from_left, to_right: distances from ends."""
+        """Pressure [Pa] at positions x in the zone.
+        from_left, to_right: distances of x from the left and from the right end of the zone.
+        """
         zone, way, kink = self.zone, self.zone.problem.map, self.zone.problem.kink
         y, weight, half = way.y(x), way.weight(x), zone.half
         root = way.rise(-zone.half_width, from_left) * way.rise(x, to_right)

@@ -1,16 +1,18 @@
 """The half width of one symmetric zone about the origin, and the branch from zero load.
 
-The load P of a zone of half width a is an integral of the forcing g. The approach is minus the
-level. Let F be the primitive of g, d the datum, u = pi xi/L and A = pi a/L, and substitute
-xi = a t for a zone alone, and sin u = t sin A with all periods. Then
+The load P of a zone of half width a is an integral of the forcing g, the right side of the contact
+equation. The approach is minus the level given below. Let F be the primitive of g, d the datum,
+u = pi xi/L and A = pi a/L. Substitute xi = a t for an isolated zone, and sin u = t sin A for a zone
+in each period L. Then
 
     P = int g(xi) xi / sqrt(a^2 - xi^2) dxi                     level = (P/pi) ln(a / 2d) - mean F
     P = int g(xi) sin u / sqrt(sin^2 A - sin^2 u) dxi           level = (P/pi) ln sin A - mean F
 
-by Gauss-Chebyshev quadrature in t, which also gives the mean of F. The first line is Shtaerman's
-(1949). The second follows from the first by the map tan u, which turns the Hilbert kernel into
-Cauchy's. The levels follow from the equilibrium measure of the zone. The localized model corrects
-the load by equation (16) of Goryacheva & Tsukanov (2020).
+The first line, for the isolated zone, is Shtaerman's (1949). The second line follows from it by the
+map tan u, which turns the Hilbert kernel into Cauchy's kernel. The levels follow from the
+equilibrium measure of the zone. The integrals and the mean of F are computed by Gauss-Chebyshev
+quadrature in t. The localized model corrects the load by equation (16) of Goryacheva & Tsukanov
+(2020).
 """
 
 import math

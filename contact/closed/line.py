@@ -4,15 +4,15 @@ With u = pi x/L and the slope f' of the profile f, the equation of the pressure 
 
     (1/pi) PV int Phi(eta) / (y - eta) d eta = G(y),     G = f'/w,     p = (E*/2) w Phi.
 
-                     y          w          load divided by E*/2, per unit of int Phi d eta
-    a zone alone     x          1          1
-    all periods      sin u      cos u      L/pi
+                              y          w          load divided by E*/2 and by int Phi d eta
+    an isolated zone          x          1          1
+    a zone in each period     sin u      cos u      L/pi
 
 The first line is Shtaerman's (1949). The second follows from cot(u - v) + cot(u + v) =
 sin 2u / (sin^2 u - sin^2 v), since the pressure is even.
 
-A quantity of one load is a number, one of several loads an array with one entry for each load. The
-functions below are the few that numpy does not offer for both.
+A quantity is a number if it belongs to one load. It is an array with one entry for each load if it
+belongs to several loads. The functions below are those few that numpy does not offer for both.
 """
 
 import math
@@ -65,8 +65,7 @@ class LineMap:
 
     @property
     def load_factor(self) -> float:
-        """Load divided by E*/2, if the solution Phi has the integral 1 over the mapped coordinate
-        y.
+        """Load divided by E*/2, for a solution Phi whose integral over y is 1.
 
         It equals dx/dy times the weight w.
         """

@@ -10,7 +10,7 @@ q is sampled so closely that no zero is hidden between samples. Outside, the slo
 with w, G and u of contact.closed.line, rho of contact.closed.series, the jump J of the slope at the
 kink, and A the value of u at the end of the zone. If the slope is nowhere negative, the gap is
 least at the ends of the zone, where it is zero. If the slope is negative somewhere, as at the
-border of a lone wave, the gap itself is sampled.
+border of a single wave in isolated contact, the gap itself is sampled.
 
 The stated error is the larger one of two relative errors: the error of an end divided by the width
 of the zone, and the error of the pressure divided by the mean pressure, which is at most the peak.
@@ -51,8 +51,8 @@ def signs(zone: ClosedZone) -> tuple[Value, Value]:
 def _pushes(zone: ClosedZone) -> Value:
     """Whether the pressure p inside the zone, divided by sqrt(1 - t^2), is clearly positive.
 
-    Up to a positive factor this is the polynomial q = sum g_k U_{k-1} plus a term of the kink, for
-    which its least value is taken.
+    Up to a positive factor this is the polynomial q = sum g_k U_{k-1} plus a positive term of the
+    profile's kink. Instead of this term, its least value is used.
     """
     most, kinked, first = zone.sums[1], zone.problem.kink / math.pi, zone.first
     bounded = kinked + first + abs(first) - most > TOLERANCES.noise * (kinked + most)

@@ -1,8 +1,9 @@
 """Solutions of scenes with one symmetric contact zone, about one tip or about two tips.
 
-The scene is a half-plane without friction or adhesion, alone or with all periods. The zone is
-certified by the signs of its series and has a stated error. The general search solves the scene
-instead if a sign is in doubt, if the series does not end, or if the error is above the tolerance.
+The scene is a half-plane without friction or adhesion, isolated or periodic. The zone is
+certified by the signs of pressure and gap, computed from its series, and has a stated error. The
+general search solves the scene instead if a sign is in doubt, if the series is not resolved by the
+largest number of nodes, or if the error is above the tolerance.
 """
 
 import math

@@ -1,8 +1,8 @@
 """One symmetric zone under a control, for one or several loads, by Newton's method on ln h.
 
-h is the half length of the zone on the line of `contact.closed.line`. A tip may have a kink
-J = f'(0+) - f'(0-): its part J/2 sgn(x) is subtracted from the slope f'. With the half width a, the
-period L, A = pi a/L and u = pi x/L, the pressure and load of this part are
+h is the half length of the zone in the coordinate y of `contact.closed.line`. A tip may have a kink
+J = f'(0+) - f'(0-). The part J/2 sgn(x), which jumps at the kink, is subtracted from the slope f'.
+With the half width a, the period L, A = pi a/L and u = pi x/L, this part causes
 
     p = (E*/2) (J/pi) arcosh(tan A / tan |u|),      load = (E*/2) (J L/pi) artanh(sin A)
 
@@ -47,7 +47,7 @@ class OneZoneOptions:
     # Number of samples of the gap next to the zone. Farther from the zone, each decade of the
     # distance gets the same number of samples.
     outer_places: int = 32
-    gauss_points: int = 64  # of the mean height over an angle, in which heights are smooth
+    gauss_points: int = 64  # for the mean height, an integral of a smooth function of an angle
     first_nodes: int = 8  # a sinusoid or a parabola needs no more
     finer: int = 4  # factor to the next number of nodes if the series is not resolved
     max_nodes: int = 512  # contact over 0.95 of a period, the widest taken, needs some 250
@@ -88,8 +88,8 @@ class OneZoneProblem:
         return np.asarray((slope - 0.5 * self.kink) / weight)
 
     def kink_load(self, half: Value) -> tuple[Value, Value]:
-        """(R, dR/dh): R is the load due to the profile's kink, divided by E*/2.
-        h = `half` is the half length of the zone.
+        """(R, dR/dh), with the half length h = `half` of the zone.
+        R is the load due to the profile's kink, divided by E*/2.
         """
         if self.kink == 0.0:
             return 0.0, 0.0
@@ -121,8 +121,9 @@ class OneZoneProblem:
 class ClosedZone:
     """One zone under one load (fields are numbers) or several loads (one row for each).
 
-    half_width [m]. half: half length on the line. g: series coefficients (..., orders). tail: sum
-    of the absolute values of the last two coefficients, plus a bound for those left out.
+    half_width [m]. half: half length h in the coordinate y of `LineMap`. g: series coefficients
+    (..., orders). tail: sum of the absolute values of the last two coefficients computed, plus a
+    bound for those dropped.
     end_error: error of ln half. punch: for a flat punch, the load divided by E*/2, by the load
     factor and by pi times `half`. found: whether Newton's method converged to a zone below the
     limit.
@@ -140,7 +141,7 @@ class ClosedZone:
     found: Value
 
     def rows(self, chosen: Mask | int) -> "ClosedZone":
-        """The solutions for the chosen loads only, or for one chosen load."""
+        """The zone for the chosen loads only, or for one chosen load."""
         names = ("half_width", "half", "g", "tail", "end_error", "punch", "found")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
