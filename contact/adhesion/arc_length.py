@@ -77,7 +77,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
 
 
 def _tried(curve: Curve, place: CurvePoint, length: float, tight: bool) -> Step | None:
-    """A step of this length, or a shorter step to the first sharp corner that an end reaches.
+    """A step of arc length `length`, or a shorter one to the first sharp corner that is reached.
 
     None if Newton's method does not find the equilibrium after the step.
     """

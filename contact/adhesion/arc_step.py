@@ -195,7 +195,7 @@ class Step:
 
 
 def corner_within(curve: Curve, here: CurvePoint, length: float) -> int | None:
-    """Index of the end that first reaches a sharp corner in a step; None if no end does."""
+    """Index of the end that first reaches a sharp corner within `length`; None if no end does."""
     if here.at.corners is None:
         return None
     moves = (here.tangent * here.scales)[:-1]

@@ -88,8 +88,8 @@ def receded(
 def guide_of(curve: CohesiveCurve, zones: int, table: Array | None) -> GridGuide | None:
     """A grid problem that predicts where the ends of given intervals of tension come to rest.
 
-    None without contact, between sharp corners, or under the control of a spring. table: None for
-    tension in all of a period.
+    None if there is no contact, if the profile ends at sharp corners, or if the control is a
+    spring. table: None for tension in all of a period.
     """
     control = curve.control
     if (

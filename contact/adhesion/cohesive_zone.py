@@ -200,7 +200,7 @@ class CohesiveCurve(Curve):
     ) -> CohesiveState:
         """The state with tension on given intervals, found from a first guess of the zones.
 
-        same_rates: a close state, whose rates are reused if it has as many zones.
+        same_rates: a close state; its rates are reused if both states have equally many zones.
         """
         table = self.within(table)
         for curve, last, tightly in self.recent:
@@ -240,7 +240,7 @@ class CohesiveCurve(Curve):
         tolerance: float,
         same_rates: CohesiveState | None,
     ) -> CohesiveState:
-        """The state with contact under the tension of `pulled`; arguments as of `from_zones`."""
+        """The state with contact under the tension of `pulled`; see `from_zones` for the rest."""
         tolerances, of_rates = InnerTolerances.intermediate(tolerance), ACCURACY.coarse
         if tolerance <= ACCURACY.density:
             tolerances, of_rates = InnerTolerances(tolerance), ACCURACY.rough
@@ -410,7 +410,7 @@ class CohesiveCurve(Curve):
         """Smallest factor on `motion`, a change of ends and control, at which a zone vanishes.
 
         The square of a zone's width, not the width, is nearly linear in the motion. So the zone
-        vanishes after half of the fraction that the rate of its width gives.
+        vanishes at half of the factor at which its width, extrapolated linearly, would be zero.
         """
         assert isinstance(here, CohesiveState)
         widths = np.diff(here.zones, axis=1)[:, 0]

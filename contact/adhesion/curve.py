@@ -49,8 +49,8 @@ class StateAccuracy:
     # Accuracy of auxiliary quantities: rates, residuals, turning points, solutions on grids. Errors
     # of rates make Newton's method slower, but its result no less accurate.
     coarse: float = 1e-4
-    # Limits of a Newton search that must not end in another equilibrium: length of a step, and
-    # number of steps.
+    # Limits of a Newton search that must not end in another equilibrium: the relative length of a
+    # step, and the number of steps.
     other_equilibrium: float = 1e-2
     max_newton_steps: int = 8
 
@@ -86,10 +86,10 @@ class State:
 
     table: the intervals (n, 2). residual: r/|K*| of the left and then the right ends (2n,).
     rates: derivatives of the residuals with respect to outward displacements s of the ends
-    (2n, 2n). by_value: those with respect to the value of the control (2n,). load, level: the load
-    and minus the approach, scaled. The residual of a pinned end is 0, and its rates make it stable.
-    corners: None without sharp corners. solved: the engine's state and its tolerance, None where
-    they are not kept.
+    (2n, 2n). by_value: derivatives of the residuals with respect to the value of the control (2n,).
+    load, level: the load and minus the approach, scaled. The residual of a pinned end is 0, and its
+    rates make it stable. corners: None without sharp corners. solved: the state in the engine `sie`
+    and its tolerance, None where they are not kept.
     """
 
     table: Array
@@ -277,8 +277,8 @@ class Curve:
         """The state on given zones: the solution of one linear problem, with residuals and rates.
         The rates are derivatives of the residuals of all ends with respect to the ends.
 
-        Zones are cut at sharp corners. pinned: mask of the pinned ends; None: those at a corner
-        that are not driven inward.
+        Zones are cut at sharp corners. pinned: mask of the ends to be pinned; with None, ends at a
+        corner are pinned unless they are driven inward.
         """
         table = self.within(table)
         problem, control = self.problem, replace(self.control, value=value)
@@ -341,7 +341,7 @@ class Curve:
         """Smallest factor on `motion`, a change of ends and control, at which a zone vanishes.
         The zone is a zone of contact inside an interval of tension.
 
-        It is infinite here, since the intervals are the zones of contact.
+        The factor is infinite here, since the intervals are the zones of contact.
         """
         return np.inf
 

@@ -205,7 +205,7 @@ class Events:
         return Jump("full" if after.closed else "birth", place, PathState(here.value, here), after)
 
     def _with_new(self, here: State, place: float, half: float) -> Array:
-        """The intervals and a new one at x = `place`, so narrow that all ends tend to advance."""
+        """The zones, and a new zone at x = `place`, so narrow that all ends tend to advance."""
         table = here.table
 
         while True:

@@ -37,9 +37,9 @@ from sie import Array, Mask
 def advanced(
     curve: Curve, table: Array, value: float, rest: float = ACCURACY.resting_step
 ) -> State:
-    """The equilibrium with the smallest intervals that contain the given ones.
+    """The equilibrium with the smallest intervals that contain the intervals `table`.
 
-    All ends of the given intervals must tend to advance: their residuals are positive. Raises
+    All ends of the intervals `table` must tend to advance: their residuals are positive. Raises
     `Closed` if there is no such equilibrium. rest: largest Newton step, relative to the widths, of
     ends at rest.
     """
@@ -49,9 +49,9 @@ def advanced(
 
 
 def receded(curve: Curve, table: Array, value: float) -> State | None:
-    """The equilibrium with the largest intervals inside the given ones.
+    """The equilibrium with the largest intervals inside the intervals `table`.
 
-    All ends of the given intervals must tend to recede: their residuals are negative. None if all
+    All ends of the intervals `table` must tend to recede: their residuals are negative. None if all
     zones are lost.
     """
     return _flow(curve, table, value, -1.0)

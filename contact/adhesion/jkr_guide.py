@@ -30,7 +30,7 @@ from sie import Array
 
 def before_advanced(curve: CohesiveCurve, zones: Array, value: float) -> CohesiveState | None:
     """A state whose zones are slightly narrower than those of a certain equilibrium.
-    This is the smallest equilibrium whose zones contain the given `zones`.
+    That equilibrium is the smallest one whose zones contain the given `zones`.
 
     All ends of the state are driven outward. The state is built around the zones of a contact under
     a law without range (JKR), whose work of adhesion is a little smaller. None if strips are wider
@@ -66,8 +66,9 @@ def _with_range(
 ) -> CohesiveState | None:
     """A state under the cohesive law, built from an equilibrium of a law without range.
 
-    All ends of the state are driven the same way. margin: fraction of the work left out, or added
-    if negative. None if some ends are driven outward and others inward.
+    All ends of the state are driven the same way. margin: fraction of the work of adhesion that the
+    law without range lacks; negative if it has more work. None if some ends of the state are driven
+    outward and others inward.
 
     At the distance v from a tip (end of a zone of `tips`) the pressure is A sqrt(v) - K/sqrt(v). A
     strip of width d under the tension s replaces the term K/sqrt(v), where K = 2 s sqrt(d)/pi. The
@@ -113,10 +114,10 @@ def near_pull_off(
     here: State,
     recede: Callable[[CohesiveCurve, Array, float], CohesiveState | None],
 ) -> CohesiveState | None:
-    """An equilibrium near pull-off, the least control value with contact; found by means of JKR.
+    """An equilibrium near pull-off, found from contacts under a law without range (JKR).
 
-    The law without range (JKR) is taken with a larger work of adhesion. recede: moves ends that are
-    driven inward to an equilibrium. None if no equilibrium is found in this way.
+    The law without range has a larger work of adhesion. recede: moves ends that are driven inward
+    to an equilibrium. None if no equilibrium is found in this way.
     """
     short = _curve_without_range(curve, here.contact, 1.0 + MOVES.margins[0])
     if short is None:

@@ -137,7 +137,7 @@ class LoadingPath:
         return length, found
 
     def _ended(self, failure: NotConverged, here: State, value: float, sense: float) -> Jump:
-        """The jump at the end of the curve, if the curve ends before the control value."""
+        """The jump at the end of the curve, if it comes before `value`; else raises `failure`."""
         end = self.law.vanishing(here, sense)
         if end is None and isinstance(failure, SymmetryLost):
             failure = failure.located()

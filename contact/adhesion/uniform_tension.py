@@ -178,7 +178,7 @@ class UniformTension(sie.Kept):
     def _between(
         self, of_ends: EndSum, spread: Callable[[Array, SpreadEnd], Array], x: Array
     ) -> Array:
-        """Sum over all intervals of a function for the left end minus the function for the right.
+        """Sum over all intervals: a function of the left end minus this function of the right end.
 
         of_ends: this sum over abrupt ends. spread: the function for a gradual end.
         """

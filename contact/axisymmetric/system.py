@@ -138,8 +138,8 @@ Condition = Callable[["Linear"], tuple[Array, float]]
 class Linear:
     """The linear system of all kinds in contact, for given radii of the spots.
 
-    The unknowns are e at the nodes of every kind in contact, P/E* of each, and delta. A quantity
-    linear in them is stored as a row: the coefficients of the unknowns, then a constant.
+    The unknowns are e at the nodes of every kind in contact, P/E* of each kind, and delta. A
+    quantity that is linear in the unknowns is stored as a row: their coefficients, then a constant.
     """
 
     def __init__(self, kinds: Sequence[Kind], radii: Array, n: int) -> None:

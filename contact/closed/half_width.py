@@ -32,8 +32,8 @@ from sie import Array
 NODES = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # positive half of 16 Gauss-Chebyshev nodes
 
 
-# Relative tolerance of the half width at which the load or the approach is largest. Near its
-# maximum this quantity hardly changes, so that a rough tolerance suffices.
+# Relative tolerance of the half width at which the load or the approach is largest. Near the
+# maximum the load or approach hardly changes, so that a rough tolerance suffices.
 MAXIMUM_TOLERANCE = math.sqrt(EPS)
 
 

@@ -244,10 +244,10 @@ def _newton(
     problem: OneZoneProblem, half: Value, residual: Residual, options: OneZoneOptions = OPTIONS
 ) -> ClosedZone:
     """Contact zones for all loads at once, by Newton's method.
-    Its unknown is the logarithm of the half length of a zone.
+    The unknown is the logarithm of the half length of a zone.
 
-    In logarithms a power law between load and width is linear. The number of nodes is raised until
-    the series is resolved.
+    If load and width obey a power law, their logarithms obey a linear law. The number of nodes is
+    raised until the series is resolved.
     """
     size, settled = options.first_nodes, half != half
     factor = problem.map.load_factor * math.pi
