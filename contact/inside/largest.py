@@ -3,7 +3,7 @@ r"""The largest equivalent stress in the body of a solution, and its place.
 The search covers all depths, from the finest detail of the pressure to the widest zone. Without
 friction, a pressure between 0 and P causes a shear stress of at most P/pi in the plane, and a mean
 stress of at most P. For a point at the depth y, let P1 be the highest pressure within the distance
-k y. Pressures farther away are seen from the point under an angle of 2 arccot(k) only. So
+k y along x. Pressures farther away are seen from the point under an angle of 2 arccot(k) only. So
 
     shear <= P1/pi + (P - P1) 2 arccot(k)/pi,     mean <= P1 + (P - P1) 2 arccot(k)/pi.
 

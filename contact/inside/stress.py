@@ -33,14 +33,14 @@ Transform = tuple[Complex, Complex]
 
 @dataclass(frozen=True)
 class Stress:
-    """Plane stresses at points of the body [Pa], positive in tension.
+    """Plane stresses [Pa] at points of the body, positive in tension.
 
     Parameters
     ----------
     xx, yy, xy : ndarray
         The stresses, all of one shape. Body 1 is y > 0.
     error : ndarray
-        Bound of the error of each of these stresses [Pa], of the same shape.
+        Bounds [Pa] of the errors of these stresses, in an array of the same shape.
 
     Examples
     --------
@@ -62,13 +62,13 @@ class Stress:
     @property
     @np.errstate(invalid="ignore")
     def shear(self) -> Array:
-        """Largest shear stress in the plane [Pa]: the radius of Mohr's circle.
+        """Largest shear stress [Pa] in the plane: the radius of Mohr's circle.
         It is nan at a tip on the surface, where the pressure is infinite.
         """
         return np.asarray(np.hypot(0.5 * (self.xx - self.yy), self.xy))
 
     def zz(self, nu: float) -> Array:
-        """Stress out of the plane [Pa] in plane strain, with Poisson's ratio nu."""
+        """Stress [Pa] out of the plane in plane strain, with Poisson's ratio nu."""
         return np.asarray(poisson_ratio("nu", nu) * (self.xx + self.yy))
 
     @np.errstate(invalid="ignore")
@@ -79,12 +79,12 @@ class Stress:
 
     @np.errstate(invalid="ignore")
     def tresca(self, nu: float) -> Array:
-        """Largest shear stress on any plane [Pa] in plane strain, with Poisson's ratio nu."""
+        """Largest shear stress [Pa] on any plane in plane strain, with Poisson's ratio nu."""
         mean, radius = 0.5 * (self.xx + self.yy), self.shear
         return np.asarray(np.maximum(radius, 0.5 * (np.abs(mean - self.zz(nu)) + radius)))
 
     def with_tension(self, along: float) -> Self:
-        """These stresses with a uniform tension along the surface [Pa] added."""
+        """These stresses plus a uniform tension `along` [Pa] parallel to the surface."""
         return replace(self, xx=self.xx + along) if along else self
 
 
@@ -101,7 +101,7 @@ def stress_from(
         The transform F of the pressure p, and of the shear q along +x on body 1, with the
         derivative F' of each, at x + iy. `tangential` is None without friction.
     error : array_like
-        Bound of the error of each stress [Pa].
+        Bound [Pa] of the error of each stress.
 
     Returns
     -------

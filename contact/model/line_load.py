@@ -57,8 +57,8 @@ class SmoothPart:
     first: end of the first panel [m]; the next ones double in width. m, M, N: Chebyshev
     coefficients (panels, terms), with lengths in units of `first`. limit: the constant value of
     r m(r) beyond the last panel. scale: for a body with a base, the length d [m] in the potential
-    ln(r / d) + M(r); None without a base. length: distance of the singularities of m from the real
-    axis, roughly [m].
+    ln(r / d) + M(r); None without a base. length: rough distance [m] of the singularities of m from
+    the real axis.
     """
 
     first: float

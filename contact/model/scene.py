@@ -116,14 +116,15 @@ class Scene(NamesArguments, sie.Kept):
     load : float or None
         Control: load [N/m]; in a periodic contact, the load on one period.
     mean_pressure : float or None
-        Control: load divided by the profile's period [Pa].
+        Control: mean pressure [Pa], the load divided by the profile's period.
     approach : float or None
         Control: approach of the bodies [m]; without a period, it needs a datum or a body with a
         base.
     half_width : float or None
-        Control: half width of the one zone of a symmetric profile [m].
+        Control: half width [m] of the one zone of a symmetric profile.
     contact_fraction : float or None
-        Control: width in contact divided by the period [1], above 0 and at most 1.
+        Control: contact fraction [1], the width in contact divided by the period, above 0 and at
+        most 1.
     given : Control or None
         Another control, such as one of your own (`contact.Control`).
     tilt : float or None

@@ -23,7 +23,7 @@ from contact.model.registry import Named
 
 @dataclass(frozen=True)
 class PressureRange:
-    """Bounds of the pressure in a zone [Pa].
+    """Bounds [Pa] of the pressure in a zone.
 
     lowest: 0 if the surfaces can only push each other, -inf if they can also pull. highest: inf, or
     a pressure that no contact may exceed, such as the pressure at which a surface yields.
@@ -217,7 +217,7 @@ class Law(Named, sie.Kept):
     def without_range(self, share: float) -> "Law | None":
         """A law of zero range with `share` times this law's work of adhesion; None if undefined.
 
-        The narrower the strips of tension are, the closer are contacts under this law to those
+        The narrower the intervals of tension are, the closer are contacts under this law to those
         under the returned law.
         """
         return None

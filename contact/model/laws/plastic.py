@@ -30,7 +30,7 @@ class Plastic(Law):
     Parameters
     ----------
     hardness : float
-        The largest pressure that the softer body bears [Pa], about three times its yield strength.
+        The largest pressure [Pa] that the softer body bears, about three times its yield strength.
 
     Examples
     --------

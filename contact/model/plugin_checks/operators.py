@@ -37,7 +37,7 @@ _LAGS = np.random.default_rng(0).uniform(0.0, 0.5, 5)
 def require_elastic(operator: Operator, scale: float) -> None:
     """Raise a SceneError that names the first false declaration of a user's interaction.
 
-    scale: a length over which the contact varies [m].
+    scale: a length [m] over which the contact varies.
     """
     interaction, period = operator.interaction, operator.period
     unit = period or scale
@@ -227,7 +227,7 @@ def require_body(substrate: Substrate) -> None:
                 "compresses it",
             )
         return
-    # The body's `height` from the base to the surface [m] is about 1/q. Here q is the lowest tested
+    # The body's `height` [m] from the base to the surface is about 1/q. Here q is the lowest tested
     # wavenumber at which the symbol L exceeds 1/2.
     found, height = long / wave, float(1 / WAVES[np.argmax(values > 0.5)])
     if not abs(found - compression) <= CHECKS.same * max(abs(compression), 1e-3 * height):

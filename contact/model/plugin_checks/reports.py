@@ -81,7 +81,7 @@ def check_profile(
     profile : Profile
         The profile.
     window : (float, float) or None
-        Interval that is checked [m]; None: the profile's support, extent or cell. If it has none of
+        Interval [m] that is checked; None: the profile's support, extent or cell. If it has none of
         these: an interval about 0 whose half width is a length in the profile.
     raises : bool
         Whether a fault is raised, or only reported.

@@ -27,11 +27,11 @@ class Biquadratic(Profile):
     Parameters
     ----------
     radius : float
-        Radius of curvature of both tips [m].
+        Radius of curvature [m] of both tips.
     spacing : float
-        Distance of the tips [m].
+        Distance [m] between the tips.
     period : float or None
-        Length after which the two tips repeat [m], larger than the spacing; None: they stand alone.
+        Length [m] after which the two tips repeat, larger than the spacing; None: they stand alone.
 
     Raises
     ------

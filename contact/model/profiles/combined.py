@@ -42,7 +42,7 @@ class Combined(Profile):
         The other body in the same way, as if it were pressed on a flat. Its x runs in the same
         direction as the x of the first body.
     shift : float
-        How far the counter body stands to the right [m]: its own x = 0 is at x = shift.
+        Distance [m] by which the counter body stands to the right: its own x = 0 is at x = shift.
     mirrored : bool
         Whether the x of the counter body runs against the x of the first body. This is so for a
         trace that was read from left to right with the counter body's face in view: to face the

@@ -25,7 +25,7 @@ class Flat(Profile):
     width : float
         Width of the punch [m].
     period : float or None
-        Length after which it repeats [m], larger than the width; None: it stands alone.
+        Length [m] after which the punch repeats, larger than the width; None: it stands alone.
 
     Raises
     ------

@@ -28,7 +28,7 @@ class Fourier(Profile):
     period : float
         L [m].
     cosine, sine : array_like
-        Amplitudes of the harmonics [m], (n,) and (m,), at least one of them not zero.
+        Amplitudes [m] of the harmonics, (n,) and (m,), at least one of them not zero.
 
     Raises
     ------

@@ -25,7 +25,7 @@ class Parabola(Profile):
     radius : float
         Radius of curvature R [m].
     period : float or None
-        Length after which the parabola repeats [m]; None: it stands alone.
+        Length [m] after which the parabola repeats; None: it stands alone.
 
     Raises
     ------

@@ -24,7 +24,7 @@ class Polynomial(Profile):
     coefficients : array_like
         c0, c1, ... [m, 1, 1/m, ...], (n,), lowest power first, one beyond c0 not zero.
     period : float or None
-        Length L of the cell [-L/2, L/2) that repeats [m]; None: f on the whole line.
+        Length L [m] of the cell [-L/2, L/2) that repeats; None: f on the whole line.
 
     Raises
     ------

@@ -32,7 +32,7 @@ class Power(Profile):
         n [1], at least 1. Below 1 the tip is a cusp, infinitely steep, where the theory of small
         slopes says nothing.
     period : float or None
-        Length after which the shape repeats [m]; None: it stands alone.
+        Length [m] after which the shape repeats; None: it stands alone.
 
     Raises
     ------

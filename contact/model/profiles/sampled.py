@@ -109,7 +109,7 @@ def read_trace(
     period : bool, float or None
         Length of the period [m]; True: the measured length; None: the trace just ends.
     pitch : float or None
-        Distance of the points [m], of heights alone.
+        Distance [m] of successive points, if only heights are given.
     decimal, delimiter : str or None
         Decimal mark "." or ","; delimiter ";", ",", "tab" or "blank". None: recognized.
     fill : str or None
@@ -122,7 +122,7 @@ def read_trace(
         Whether points out of order are sorted by position. Positions that descend throughout are
         always reversed.
     lambda_s, lambda_c : float or None
-        Cut-offs of Gaussian filters [m] (ISO 16610-21): shorter waves than lambda_s, and longer
+        Cut-offs [m] of Gaussian filters (ISO 16610-21): shorter waves than lambda_s, and longer
         ones than lambda_c, are filtered out.
     channel : str, int or None
         Which channel of an instrument's file is read: its name, or its number, from 0, among the

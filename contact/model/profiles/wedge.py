@@ -24,9 +24,9 @@ class Wedge(Profile):
     Parameters
     ----------
     slope : float
-        Tangent of the angle between flank and counter-face [1], small.
+        Tangent [1] of the small angle between flank and counter-face.
     period : float or None
-        Length after which the wedge repeats [m]; None: it stands alone.
+        Length [m] after which the wedge repeats; None: it stands alone.
 
     Raises
     ------

@@ -22,7 +22,7 @@ class Substrate(Named, sie.Kept):
     Attributes
     ----------
     compression : float or None
-        The limit of L(q)/q for long waves [m]. A uniform pressure p displaces the surface by
+        The limit [m] of L(q)/q for long waves. A uniform pressure p displaces the surface by
         2 p compression / E*. A body on a rigid base has a compression, and displacements and the
         approach count from the base. It is None for a body without a base, whose symbol tends to a
         number above 0 for long waves. The displacement of such a body is defined up to a

@@ -61,7 +61,7 @@ class TraceLimits:
     # Largest number of points that `regrid` may create. More points would add corners and computing
     # time, but no information.
     max_regrid: int = 20_000
-    # Smallest plausible pitch and range of heights [m]: less than the size of an atom.
+    # Smallest plausible pitch [m] and range [m] of the heights: less than the size of an atom.
     atom: float = 1e-11
     # Longest plausible trace and widest plausible pitch [m], as for a guideway or a road.
     max_length: float = 1.0
