@@ -8,9 +8,9 @@ takes a tenth of a second. Three conditions are tested, the cheap ones first:
 2. The energy of full contact is below the energy at first touch. A contact that grows only lowers
     its energy, so otherwise it cannot reach full contact.
 3. The contact on the grid, grown from first touch, ends in full contact. A strong attraction acts
-    on strips next to the zones that are too narrow for the grid. So a weaker attraction with the
-    same work and a longer reach replaces it. Its strips are a few cells wide. As long as the strips
-    are much narrower than the zones, only the work matters.
+    on a strip next to each zone, and this strip is too narrow for the grid. So a weaker attraction
+    with the same work and a longer reach replaces it. Its strips are a few cells wide. As long as
+    the strips are much narrower than the zones, only the work matters.
 
 The map from the intervals on which the attraction acts to {gap < reach} is monotone under a fixed
 load. So a contact that closes under a load also closes under every larger load.

@@ -16,7 +16,8 @@ class SearchLimits:
     # Largest number of steps in one loop: of a gradient flow, along a curve of equilibria, or while
     # intervals grow on a grid. It is also the largest number of events of one loading path.
     max_steps: int = 3000
-    # Number of attempts of a fast method before a slower and more reliable method is used.
+    # Number of attempts of a fast method before a slower and more reliable method is used. It also
+    # serves as a small count in tests, such as the number of doublings in `driven_inward`.
     patience: int = 4
 
 
@@ -72,7 +73,7 @@ class SampleOptions:
     # Least number of sample points of the gap between two ends. All other searches for an extreme
     # take this number of sample points.
     samples: int = 32
-    # Number of sample points of a profile that states no resolution.
+    # Least number of sample points of a profile. It is used if a profile states no resolution.
     profile_samples: int = 2049
     # Least number of points at which the sign of the pressure on a zone is tested.
     sign_samples: int = 128

@@ -69,7 +69,7 @@ class UniformTension(sie.Kept):
 
     @property
     def total(self) -> float:
-        """Total force of the tension: the integral of contact pressure q minus true pressure p."""
+        """Total force of the tension: the integral of q - p (contact minus true pressure)."""
         return self.stress * (self.width - sum(zone.half for _, zone in self.spreads))
 
     def lacks(self, zone: Index | int, last: int, left: Array, right: Array) -> Array:
