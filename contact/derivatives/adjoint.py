@@ -382,7 +382,7 @@ def _graded(place: float, lo: float, hi: float) -> Array:
 
 
 def _gauss(cuts: Array, count: int) -> tuple[Array, Array]:
-    """Gauss nodes t = cos(angle) and weights of the angle, on panels between the angles `cuts`.
+    """Gauss nodes t = cos(angle) between the `cuts`, and weights for integrals over the angle.
     From 0 to pi there are at least `count` nodes.
     """
     shortest = NODES * np.pi / max(count, 2 * NODES)

@@ -1,9 +1,9 @@
 """Derivatives of all numbers of a solution along a change of its profile, with their errors.
 
-The error has three parts. The zones of the solution are known up to its stated error: so the
-derivatives are computed on two moved copies of the zones too, and the differences are counted. The
-equation for the derivative has a stated error of its own. And the numbers of the solution from
-which the derivatives are computed have errors.
+The error has three parts. The zone ends of the solution have errors: to see their effect, the
+derivatives are also computed on two copies of the zones, moved by the stated error. The equation
+for the derivative has a stated error of its own. And the numbers of the solution from which the
+derivatives are computed have errors.
 """
 
 from __future__ import annotations

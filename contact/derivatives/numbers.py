@@ -1,4 +1,4 @@
-"""`Numbers`: the numbers of a contact that have derivatives, or their derivatives, or errors."""
+"""`Numbers`: results of a contact (such as its load), or the derivatives of results, or errors."""
 
 from __future__ import annotations
 

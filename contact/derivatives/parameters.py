@@ -6,7 +6,7 @@ and from that by the load P:
 
     E* dJ/dE* = D_f J - h J                  J grows like the power h of heights
     K dJ/dK   = d J - P dJ/dP - E* dJ/dE*    J grows like the power d of pressures
-    x -> (1 + e) x: p -> p / (1 + e), K -> K / sqrt(1 + e); loads and approaches stay
+    period: x -> (1 + e) x, p -> p / (1 + e), K -> K / sqrt(1 + e); loads and approaches stay
 """
 
 from __future__ import annotations
@@ -245,7 +245,7 @@ class ParameterRates(sie.Kept):
         )
 
     def _by_shear(self, name: str, value: float) -> Change:
-        """The derivative by a parameter of a law of friction, which changes the stresses only."""
+        """The derivative by a parameter of a friction law; the shear changes only the stresses."""
         stress = self.linearized.stress
         if stress is None:
             return self.linearized.by_load.times(0.0)

@@ -1,8 +1,8 @@
 """Places at which the pressure is highest, and at which the profile is lowest.
 
-The derivative of a maximum is that of the function at the fixed place of the maximum. If there are
-several places with the same maximum, the derivative is one-sided: it is the largest of the
-derivatives at these places.
+The derivative of a maximum by a parameter is the derivative of the function at the fixed place of
+the maximum. If there are several places with the same maximum, the derivative is one-sided: it is
+the largest of the derivatives at these places.
 """
 
 from __future__ import annotations

@@ -41,10 +41,11 @@ class Rate:
     The load is fixed or grows with the parameter.
 
     load: derivative of the load. approach: derivative of the approach, counted from f = 0 and not
-    from the lowest place; nan if it has no datum. ends: outward motions (n, 2), loads (n,),
-    intensities k (n, 2) of p' at the ends, in the order of the fields' zones. pressure: p' at
-    places x. noise: error of the coefficients of p', divided by the unit of pressure. fields: those
-    of p', from which stresses follow; None if the stresses are infinite at ends.
+    from the lowest place; nan if it has no datum. ends: outward motions of the zones' ends (n, 2).
+    loads: derivatives of the zones' loads (n,). intensities: k of p' at the ends (n, 2). All three
+    are in the order of the fields' zones. pressure: p' at places x. noise: error of the
+    coefficients of p', divided by the unit of pressure. fields: those of p', from which stresses
+    follow; None if the stresses are infinite at ends.
     """
 
     load: float

@@ -51,9 +51,9 @@ class Derivative:
         The derivative; an array for zones, their widths and their loads, and by an array of
         parameters.
     error : float or ndarray
-        Bound of its error, of the same shape.
+        Bound of the error of the derivative, of the same shape.
     note : str
-        Why the derivative is one-sided, for a growing parameter; empty if it is not.
+        Why the derivative is one-sided and holds only for a growing parameter; empty if it is not.
 
     Examples
     --------

@@ -3,9 +3,9 @@ r"""Places of the largest equivalent stress in the body, and derivatives of it t
 The derivative of the largest stress is that of the stress at a fixed place, since a motion of the
 maximum changes nothing at first order (the envelope theorem). The derivative p' of the pressure
 causes stresses xx, yy and xy at this place. The derivative of the equivalent stress is the sum of
-these stresses times its slopes, which are its derivatives by xx, yy and xy. First yield is at the
-load P at which the largest stress s equals the strength Y. At a fixed load, a change of the scene
-changes s by s', and a unit of load by s_P, so that
+these three, each times the derivative of the equivalent stress by this component. First yield is at
+the load P at which the largest stress s equals the strength Y. At a fixed load, a change of the
+scene changes s by s', and a unit of load by s_P, so that
 
     P' = -s' / s_P,    dP / dY = 1 / s_P.
 """
@@ -44,8 +44,8 @@ class StressPoint:
     """A point [m] of the largest equivalent stress, and the value [Pa] of this stress.
     `slopes` are its derivatives by the stress components xx, yy and xy at the point.
 
-    transform: factors (A, B), with which Re(A F + B F') is the derivative of the largest stress,
-    for the transform F of p' at the place and its derivative F', at a given load.
+    transform: factors (A, B). At a given load, Re(A F + B F') is the derivative of the largest
+    stress, with the transform F of p' at the point and the derivative F' of F.
     """
 
     x: float

@@ -162,7 +162,7 @@ class StressObjective:
 
     @property
     def sign(self) -> float:
-        """-1 if the number is made large, else 1."""
+        """-1 if the number is maximized, else 1."""
         return -1.0 if self.number.startswith("-") else 1.0
 
     @property

@@ -68,7 +68,7 @@ class Problem:
     @property
     def levels(self) -> bool:
         """Whether the search minimizes levels t, one for each contact, instead of the objective.
-        A level is at least each value of `competing` for its contact.
+        A level is at least as large as each value of `competing` for its contact.
         """
         wanted = self.objective
         if isinstance(wanted, StressObjective):

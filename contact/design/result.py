@@ -28,7 +28,7 @@ class Condition(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """The best design met that satisfies all conditions; `contact.optimize` makes it.
+    """The best evaluated design that satisfies all conditions; `contact.optimize` makes it.
 
     Parameters
     ----------

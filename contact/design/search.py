@@ -63,9 +63,9 @@ def minimum(problem: Problem) -> Design:
 def _lowest_levels(problem: Problem) -> Design:
     """The design with the smallest mean of the levels t, one level for each contact.
 
-    A level t is at least each value of its contact at the places that compete for the objective,
-    such as local maxima of the pressure (`Problem.competing`). The unknowns of the search are the
-    vector of data, and the levels t divided by the size of the first derivatives.
+    A level t is at least as large as each value of its contact at the places that compete for the
+    objective, such as local maxima of the pressure (`Problem.competing`). The unknowns of the
+    search are the vector of data, and the levels t divided by the size of the first derivatives.
     """
     start = problem.variables.start
     values, slopes = problem.competing(start), problem.competing_slopes(start)

@@ -36,7 +36,7 @@ class FrameOptions:
     points_while_moving: int = 500
     # Tolerance while a slider moves. Four digits are shown, and a picture shows three.
     tol_while_moving: float = 1e-4
-    curve_points: int = 33  # of a load curve, and of each branch under adhesion
+    curve_points: int = 33  # points of a load curve, and of each branch under adhesion
     max_text: int = 20_000  # longest scene file that the page shows [characters]
 
 

@@ -108,7 +108,7 @@ class Session:
             try:
                 self._solve(self.base, fine=False)
             except ContactError:
-                pass  # the first frame says why
+                pass  # the first frame shows the error
             else:
                 self._take_handles(self.solution)
         return {

@@ -131,7 +131,8 @@ def _steepest(profile: Profile, zones: Array) -> float:
 def _panels(profile: Profile, lo: float, hi: float) -> tuple[Array, Array]:
     """Left ends and right ends (n,) of panels that contain no declared breakpoint.
 
-    They cover the interval. If this would take too many panels, they are spread evenly over it.
+    They cover the interval. If that would take too many panels, fewer panels are spread evenly over
+    the interval.
     """
     length, options = hi - lo, OPTIONS
     resolution = profile.resolution

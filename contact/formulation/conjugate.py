@@ -376,8 +376,8 @@ def _last_octaves(size: Array) -> tuple[float, float]:
 def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str:
     """Main cause of the error of a Fourier series, in words.
 
-    smooth: the slope at even places x, without its declared jumps. size: absolute values of all
-    terms.
+    smooth: the slope at evenly spaced places x, without its declared jumps. size: absolute values
+    of all terms.
     """
     last, before = _last_octaves(size)
     if settled or last >= OPTIONS.no_decay * before:

@@ -5,8 +5,9 @@ which is zero far from the line:
 
     R(z) = (1/L) int f'(xi) cot(pi (z - xi)/L) dxi,       R(x + i0) = H f' - i f'.
 
-Let s be the place of a jump or a point, w = exp(2 pi i (z - s)/L), and u = x - s on the line. The
-parts of the slope f' (left; see contact.formulation.conjugate) contribute to R (right)
+Let s be the place of a jump or of an algebraic point, w = exp(2 pi i (z - s)/L), and u = x - s on
+the line. The parts of the slope f' (left; see contact.formulation.conjugate) contribute to R
+(right)
 
     jump J of f' at s       (J / pi) ln(1 - w)
     piecewise quadratic     the sum over its pieces (sie.PiecewiseTransform)

@@ -199,7 +199,7 @@ class _SpringLevel(sie.Condition):
 
 @dataclass(frozen=True)
 class _MeanGap(sie.Condition):
-    """Condition that prescribes `depth` times the mean pressure minus the integral of all gaps."""
+    """Condition on the difference (`depth` times the mean pressure) - (integral of all gaps)."""
 
     opened: sie.ZoneMoments
     depth: float

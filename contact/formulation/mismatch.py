@@ -5,7 +5,7 @@ scaled slope of the profile, L the period and lambda = kappa P / L,
 
     T p + kappa p = g + lambda    on the zones (lambda = 0 without a period).
 
-With V the potential of p and Q(x) its integral up to x, the surface is displaced by
+With V the potential of p and Q(x) the integral of p up to x, the surface is displaced by
 
     u = -V + lambda x - kappa Q + c.
 
@@ -87,7 +87,7 @@ class SlidingRelief(Relief):
 
     @cached_property
     def kinks(self) -> Array:  # type: ignore[override]
-        """Places of the profile's kinks, and the factors of the logarithms there in R (k, 2)."""
+        """Places of the profile's kinks, and the factors of their logarithms in R (k, 2)."""
         return np.asarray(self._plain.kinks * [1.0, self.kink_factor])
 
     @property

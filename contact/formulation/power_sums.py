@@ -1,8 +1,8 @@
 r"""`power_sums`: the sums of c_k w^k and of k c_k w^k at many points |w| <= 1.
 
-With w = exp(s), s = -d + i a, the depth d >= 0 of a point decides how many terms it needs: those
-with k d above about 41 are below round-off. Points of nearly the same depth form a layer. If a
-layer has many points, the sums come from Taylor series about equidistant angles a_j at the middle
+With w = exp(s), s = -d + i a, the depth d >= 0 of a point decides how many terms the point needs:
+terms with k d above about 41 are below round-off. Points of nearly the same depth form a layer. If
+a layer has many points, the sums come from Taylor series about equidistant angles a_j at the middle
 depth d_0 of the layer,
 
     sum_k c_k e^(k s) = sum_m (s - s_j)^m / m! sum_k k^m c_k e^(k s_j),    s_j = -d_0 + i a_j,

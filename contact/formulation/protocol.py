@@ -1,8 +1,9 @@
 """`Fields`: the protocol of the results of every method of solution.
 
 `Solution`, its files, pictures and warnings ask for these members only, and need not know how a
-contact was found. Values are in SI units. Those called scaled are in the units of `problem.units`.
-The unknown of the method, the pressure or the slope of the gap, is not part of the protocol.
+contact was found. Values are in SI units. Values that are called scaled are in the units of
+`problem.units`. The unknown of the method, the pressure or the slope of the gap, is not part of the
+protocol.
 
     ZoneFields            the pressure on zones                  contact.formulation.fields
     ClosedFields          one symmetric zone in closed form      contact.closed.fields

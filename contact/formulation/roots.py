@@ -19,7 +19,7 @@ class RootOptions:
     """Limits of the search for a root of a smooth function in a bracket."""
 
     max_values: int = 100
-    points: int = 4  # of the inverse interpolation
+    points: int = 4  # number of values in the inverse interpolation
 
 
 _OPTIONS = RootOptions()

@@ -1,9 +1,10 @@
 """The stresses of a solution at points of its body, with a bound of their errors.
 
-The stresses at a point are means of the pressure with kernels whose absolute values have integrals
-of at most 1. So an error of the pressure at equal normalised positions causes no larger error of
-the stresses. An error of a zone's end also shifts the pressure next to the end, which grows like
-the square root of the distance from the end. The stresses close to the end change most.
+The stresses at a point are integrals of the pressure times kernels. The integral of a kernel's
+absolute value is at most 1. So an error of the pressure at equal normalised positions causes no
+larger error of the stresses. An error of a zone's end also shifts the pressure next to the end.
+There the pressure grows like the square root of the distance from the end, so the stresses close to
+the end change most.
 """
 
 from dataclasses import dataclass, replace
