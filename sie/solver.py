@@ -36,8 +36,9 @@ from sie.states.solve import SingularSystem
 class SolveOptions:
     """Tolerances of the coefficients and of the ends, relative to the solution's tolerance."""
 
-    # Relative tolerances of the ends, tried in turn until the stated error is small enough. The
-    # first number is also the first tolerance of the coefficients for fixed ends.
+    # Tolerances of free ends, as fractions of the tolerance `tol` of the solution. They are tried
+    # in turn until the stated error is at most `tol`. If all ends are fixed, the first number gives
+    # the first tolerance of the coefficients.
     parts: tuple[float, ...] = (0.1, 1e-3, 1e-5)
 
 
@@ -50,7 +51,7 @@ class Solution:
 
     Parameters
     ----------
-    density : Density, SlitDensity or GradedDensity
+    density : Density, SlitDensity, GradedDensity or SecondKindDensity
         The unknown function phi; call it at points of the line, see `Density`.
     zones : Zones
         The n zones, with the converged free ends; `zones.table` is the (n, 2) array of ends.
@@ -62,7 +63,7 @@ class Solution:
         The same bound for each zone (n,), but relative to the zone's own largest coefficient. If
         other zones have a much larger density, it is larger than `error`.
     value : float or None
-        Value of the condition of unknown value, if there is one.
+        The value found for the side condition of unknown value, if there is one.
     state : State
         The last solved state: levels, responses to changed side conditions, and parts of the error.
     search : Free or None
@@ -162,7 +163,7 @@ class Solution:
 
         Examples
         --------
-        An interval has a quarter of its length.
+        The capacity of an interval is a quarter of its length.
 
         >>> import numpy as np, sie
         >>> plate = sie.Equation(sie.cauchy(), np.zeros_like, sie.Total(1.0))
@@ -183,9 +184,8 @@ class Solution:
     ) -> Derivative:
         """Derivative of the solution by a parameter, from the derivatives of the problem's data.
 
-        It is the exact derivative of the discrete problem. With the LU factors of the solution, it
-        takes a solve for each of one or a few right sides; for a solution by iteration, an
-        iteration for each.
+        It is the exact derivative of the discrete problem. It takes one or a few solves with the LU
+        factors of the solution. For a solution by iteration, each of these solves is an iteration.
 
         Parameters
         ----------
@@ -193,8 +193,8 @@ class Solution:
             Derivative of the right side by the parameter; a `Forcing` if potentials (primitive) or
             jumps need it. None: no change, as for the following parameters.
         values : sequence or None
-            Derivatives of the values of the conditions, one for each (a number, or an array of its
-            rows), those on the ends last.
+            Derivatives of the values of the conditions, one entry for each condition (a number, or
+            an array with its rows). Conditions on the ends come last.
         dkernel : Smooth, callable or None
             Derivative of the kernel, a smooth function of (x, xi).
         dends : array_like (n, 2) or None
@@ -212,9 +212,10 @@ class Solution:
         ValueError
             For wrong input, for functions that are not resolved, with kappa for other parameters
             than `dg` and `values`, and for gaps that are too narrow for a solution without slits.
-            Beside narrow gaps at fixed ends that is so for dends and dkernel only.
+            Narrow gaps beside fixed ends raise it only if `dends` or `dkernel` is given.
         SingularSystem
-            If the ends or the open value are not determined, as at a turning point of the load.
+            If the ends, or the unknown value of a side condition, are not determined, as at a
+            turning point of the load.
 
         Examples
         --------
@@ -276,11 +277,11 @@ class Solution:
         ValueError
             For wrong input, for symmetric zones, and for too many unknowns for a matrix.
         SingularSystem
-            If the ends or the open value are not determined.
+            If the ends, or the unknown value of a side condition, are not determined.
 
         Examples
         --------
-        The right end of a cylinder's contact under the load P, by P: 1 / (pi a).
+        The right end a of a cylinder's contact has the derivative 1 / (pi a) by the load P.
 
         >>> import numpy as np, sie
         >>> hertz = sie.Equation(sie.cauchy(), lambda x: x, sie.Total(np.pi / 2))
@@ -384,8 +385,8 @@ def solve(
     value : float
         First guess for the value of the side condition whose value is unknown, if there is one.
     signs : (float, float)
-        Signs of the wanted density close to free left and free right ends. They distinguish outward
-        from inward far from the solution.
+        Signs of the wanted density close to free left and free right ends. With them Newton's
+        method tells outward from inward motions if the ends are far from the solution.
     max_steps : int
         Largest number of Newton steps of the ends.
 

@@ -102,8 +102,8 @@ class AlgebraicPoints:
     def weights(self) -> Complex:
         """For each algebraic point, the common factor of the coefficients of its poles."""
         p, left, right = (np.asarray(part) for part in (self.exponents, self.left, self.right))
-        # `cosdg` and `sindg` (angles in degrees) are exactly zero at their zeros. So the weights
-        # are exactly zero if the term of the point is a polynomial.
+        # `cosdg` and `sindg` (angles in degrees) are exactly zero at their zeros. So the weight of
+        # a point is exactly zero if its powers left and right of it form one polynomial.
         odd, even = cosdg(90.0 * p) * (right - left), sindg(90.0 * p) * (right + left)
         return np.asarray((odd + 1j * even) / np.pi)
 

@@ -90,7 +90,8 @@ def _next_row(j: int, alpha: Any, beta: Any, rows: Any) -> None:
 def upward(structure: Any, alpha: Any, beta: Any, moments: Any) -> None:
     """Add the moments (nodes, terms) of every node of a tree to those of its parent.
 
-    structure: (first node of every level, then their number; parents). alpha, beta: see `Nested`.
+    structure: (first node of every level, then the number of all nodes; parents). alpha, beta: see
+    `Nested._place`.
     """
     levels, parent = structure
     terms = moments.shape[1]
@@ -121,8 +122,8 @@ def upward(structure: Any, alpha: Any, beta: Any, moments: Any) -> None:
 def downward(structure: Any, alpha: Any, beta: Any, rises: Any, fields: Any) -> None:
     """Add the field series of every node of a tree to those of its children, level by level.
 
-    rises: see `Nested`. fields: series of the transform (nodes, terms), potential at the middle and
-    its round-off.
+    structure, alpha, beta: see `upward`. rises: see `Nested.rises`. fields: series of the transform
+    (nodes, terms), potential at the nodes' middles and its round-off.
     """
     levels, parent = structure
     series, middle, rest = fields

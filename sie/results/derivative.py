@@ -240,7 +240,7 @@ class _Minus:
 
 @dataclass(frozen=True, eq=False)
 class _KernelField:
-    """The field (transform or potential) of a density under a smooth kernel, as a function of x."""
+    """The transform or potential of a density with a smooth kernel, as a function of x."""
 
     density: Density
     regular: Regular
@@ -250,8 +250,8 @@ class _KernelField:
 
 
 def _kernel_field(density: Density, dkernel: Smooth | Regular) -> Forcing:
-    """Field of `density` under the kernel `dkernel` alone, as a `Forcing`.
-    The field has a transform and a potential.
+    """Transform of `density` with the kernel `dkernel` alone, as the value of a `Forcing`.
+    Its primitive is the potential, if `dkernel` has one.
 
     The number of nodes on each zone is doubled until the transform no longer changes.
     """

@@ -54,7 +54,7 @@ class Answered(Kept):
         return self.whole.system.equation
 
     def right_side(self, x: Array) -> Array:
-        """The equation's right side at points, including its terms of unknown amplitude."""
+        """The equation's right side at points x, plus its columns times their amplitudes."""
         columns = zip(self.density.amplitudes, self.equation.columns, strict=True)
         return np.asarray(
             self.equation.forcing.value(x)
@@ -221,7 +221,7 @@ class Solved(Resolved):
 
     @property
     def field_tail(self) -> float:
-        """Largest last coefficient of the other zones' field, over all zones (see `tails`).
+        """Largest of the relative sizes `tails` of last coupled modes, over all zones.
         It is small if the zones have enough modes.
         """
         return float(self.tails.max())
@@ -264,7 +264,8 @@ def coefficient_sizes(density: Density, start: int = 0) -> Array:
 def density_of(system: System, y: Array) -> Density:
     """The density with the unknowns y, plus the known parts that the right side causes.
 
-    Coefficients up to m come from y; higher ones are minus those of the right side.
+    The coefficients up to the last coupled mode come from y. Higher coefficients are minus those of
+    the right side.
     """
     layout, g = system.layout, system.g
     out = np.zeros((len(layout.m), max(layout.given.shape[1], g.shape[1])))

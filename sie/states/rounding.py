@@ -1,10 +1,11 @@
-"""Effect of round-off and truncation of the rows on the density and on the intensities.
+"""Effect of round-off and truncation of the system's rows on the density and on the intensities.
 
-The round-off of different terms is independent. So the round-off of each row of A y = b is that of
-the root of the sum of its terms' squares. The intensities K are linear in the unknowns, K = C y, so
-one solve for X = A^-T C^T gives the effect of every row on every K. Levels are differences of large
-potentials and large heights (values of the primitive of g), and have the round-off of these. So a
-lightly loaded zone between heavy ones is affected by the round-off of all heights.
+The round-offs of different terms are independent. So the round-off of a row of the system A y = b
+is EPS times the root of the sum of squares of the row's terms. The intensities K are linear in the
+unknowns, K = C y, so one solve for X = A^-T C^T gives the effect of every row on every K. Levels
+are differences of large potentials and large heights (values of the primitive of the right side g).
+They have the round-off of these. So a lightly loaded zone between heavy ones is affected by the
+round-off of all heights.
 """
 
 import numpy as np
@@ -231,7 +232,8 @@ def _of_rows(state: Solved, solver: Factored) -> tuple[Array, Array]:
     """(round-off of the system's rows, round-off of the levels of the solved zones).
     A level is the constant part of the potential on a zone.
 
-    In the first, rows that contain levels are zero: their round-off is that of the levels.
+    In the first array, the rows of side conditions on levels are zero, because their round-off
+    follows from the second array.
     """
     rounding, of_levels = EPS * solver.size_of_rows, state.level_rows.any(axis=1)
     rounding[state.conditions_from :][of_levels] = 0.0
@@ -299,8 +301,8 @@ def _largest(coefficients: Array) -> Array:
 
 
 def _level_noise(state: Solved) -> Array:
-    """Root mean square round-off of each zone's level: mean of potential minus primitive of g.
-    g is the right side.
+    """Root mean square round-off of the level of each zone.
+    The level is the mean of the potential minus the primitive of the right side.
     """
     sizes, forcing = state.sizes, state.system.equation.forcing
     if state.system.integrated:

@@ -69,12 +69,13 @@ class Carried:
     """Data of an iterative solution that give a first guess of the next solution.
 
     If a free end moves by d, the density at fixed positions changes by the order d^2. So do the
-    total of its zone and the field of the other zones on it. These are carried over. The
-    coefficients of the right side are known on any zones.
+    total of the end's zone and the field that this zone causes on other zones. Totals and fields
+    are therefore carried over. The coefficients of the right side are known on any zones.
 
-    middle, half: middles and half widths of the zones (n,); totals: their totals divided by pi
-    (n,); field: coefficients k = 1 ... m of the field of the other zones in U_{k-1}, at offset + k,
-    and beyond the coupled modes those of the zone's slits; amplitudes: those of the columns.
+    middle, half: middles and half widths of the zones (n,); totals: integrals of the density over
+    them, divided by pi (n,); field: coefficients in U_{k-1}, k = 1 ... m, of the field of the other
+    zones on each zone, at the index offset + k. Beyond the coupled modes they are those of the
+    zone's slits. amplitudes: those of the columns.
     """
 
     middle: Array
@@ -88,7 +89,7 @@ class Carried:
     def of(cls, system: System, y: Array, slits: dict[int, Array]) -> Carried:
         """The data to carry over from the solution with unknowns y: totals and fields of zones.
 
-        slits: coefficients that slits add to those of their zones, by zone.
+        slits: for each zone with slits, the coefficients that its slits add to its own.
         """
         coupled, zones = system.layout, system.zones
         m = coupled.m.copy()
@@ -160,9 +161,10 @@ class Carried:
 def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Sizes:
     """Numbers of modes with which the first solve on the zones starts.
 
-    With regular kernels and columns, zones start with a few modes, and more are added later. Else
-    the distances of the zones determine the number. tolerance: truncation tolerance of the
-    coefficients, which determines that of an iteration.
+    If the kernel has a user's regular part, or a column has an unknown number of modes, zones start
+    with a few modes, and more are added later. Else the distances between the zones determine the
+    numbers. tolerance: truncation tolerance of the coefficients; that of an iteration is a fraction
+    of it.
     """
     check_functions(equation, zones)
     least: int | Index
@@ -182,8 +184,9 @@ def first_sizes(equation: Equation, zones: Zones, tolerance: float = 0.0) -> Siz
 def sizes_like(left: Sizes, equation: Equation, zones: Zones, last: bool) -> Sizes:
     """Numbers of modes to start with, from those of a solution on about the same zones.
 
-    If the number of zones differs, they are those of `first_sizes`. last: whether the solution was
-    the last one to use these sizes; then its unknowns are the first guess of an iteration.
+    left: the `Sizes` of that solution. If the number of zones differs, the result is that of
+    `first_sizes`. last: whether no further solution starts from `left`; then the unknowns in `left`
+    are passed on as the first guess of an iteration.
     """
     alike = len(left.own) == len(zones)
     if last:

@@ -71,7 +71,7 @@ def solve_fixed(
 ) -> State:
     """Solve the equation on given zones; the density may be singular at all ends.
 
-    The intensities at free ends are what a Newton step needs.
+    A Newton step of the free ends uses the intensities at these ends.
 
     Parameters
     ----------

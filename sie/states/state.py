@@ -31,11 +31,11 @@ class State(Solved):
     Attributes
     ----------
     density : Density
-        The wanted function.
+        The solution phi of the equation.
     system, solver
         The rows of the equation, and the solver of these rows for further right sides.
     unknowns, folded_unknowns : ndarray
-        All coefficients, and the kept ones (half of them if zones are symmetric).
+        All unknowns, and those solved for (about half of them if zones are symmetric).
     conditions_from : int
         Index of the first row of the side conditions.
     condition_scale : ndarray
@@ -67,11 +67,12 @@ class State(Solved):
     def _errors_over(self, sizes: Array) -> Array:
         """Error of the density on each zone (Z,), divided by `sizes`; 0 where the size is 0.
 
-        It is the sum of three errors: the neglected coefficients, the residual between the nodes,
-        and the effect of truncation and round-off of all rows. No residual shows the last one.
-        Without its singularity, T_k / sqrt(1 - t^2) reaches 0.73 k close to an end, so an error of
-        c_k counts 0.73 k times. Coefficients of one sign with the ratio `fall` near 1 add up within
-        a distance (1 - fall)^2 of the end only, where sqrt(1 - t^2) is about 1 - fall^2.
+        It is the sum of four errors: the neglected coefficients, the residual between the nodes,
+        the remaining error of an iteration, and the effect of truncation and round-off of all rows.
+        No residual shows the last one. Without its singularity, T_k / sqrt(1 - t^2) reaches 0.73 k
+        close to an end, so an error of c_k counts 0.73 k times. Coefficients of one sign with the
+        ratio `fall` near 1 add up within a distance (1 - fall)^2 of the end only, where
+        sqrt(1 - t^2) is about 1 - fall^2.
         """
         zones, modes_of = self.density.zones, self.system.layout.m
         solved, sizes = zones.solved, np.where(sizes > 0.0, sizes, np.inf)
@@ -91,7 +92,7 @@ class State(Solved):
 
     @cached_property
     def end_truncation(self) -> Array:
-        """Position error of each moving end due to truncated series, in half widths (Z, 2).
+        """Error of the position of each moving end due to truncated series, in zone widths (Z, 2).
 
         An error dK of the intensity moves an end by 2 dK / A, with the edge slope A.
         """

@@ -1,4 +1,4 @@
-"""Fields of intervals on far intervals in linear time, by a tree and Chebyshev series.
+"""Fields that densities on intervals cause on far intervals, in linear time by a tree.
 
 Moments of a density phi, (1/pi) int phi T_k dxi, are passed up the tree, from children to parents.
 Chebyshev series of the transform are passed down it, from parents to children. See L. Greengard and
@@ -54,8 +54,7 @@ class Nested:
 
     @cached_property
     def _place(self) -> tuple[Array, Array]:
-        """(alpha, beta) of each node: its interval is alpha + beta s, |s| <= 1, seen by its parent.
-        alpha + beta s is the parent's variable, which runs from -1 to 1 on the parent.
+        """(alpha, beta) of each node, such that alpha + beta s is the variable of its parent.
 
         The variable s of a node runs from -1 to 1 on its hull.
         """
@@ -329,9 +328,9 @@ class FarSum:
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:
-    """Whether fast sums of the kernel's regular part over all zones apply.
+    """Whether fast sums over all zones apply to the kernel.
 
-    They apply if the regular part of the kernel is smooth across all zones.
+    They apply if the kernel has no regular part, or if its regular part is smooth across all zones.
     """
     if kernel.regular is None:
         return kernel.regular_potential is None

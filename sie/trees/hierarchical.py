@@ -1,9 +1,9 @@
 """Approximate inverse of a matrix with off-diagonal blocks of low rank, by recursive halving.
 
-With A = [[A1, U1 V1'], [U2 V2', A2]] and W_i = A_i^-1 U_i, the unknowns are x1 = y1 - W1 s1 and
-x2 = y2 - W2 s2, where y_i = A_i^-1 b_i, and s1 = V1' x2, s2 = V2' x1 solve a small system
-(S. Ambikasaran and E. Darve, J. Sci. Comput. 57, 2013, 477-501). Low ranks come from adaptive cross
-approximation with partial pivoting (M. Bebendorf, Numer. Math. 86, 2000, 565-589).
+With A = [[A1, U1 V1'], [U2 V2', A2]] and W_i = A_i^-1 U_i, the solution of A x = b is
+x1 = y1 - W1 s1, x2 = y2 - W2 s2, where y_i = A_i^-1 b_i, and s1 = V1' x2, s2 = V2' x1 solve a small
+system (S. Ambikasaran and E. Darve, J. Sci. Comput. 57, 2013, 477-501). Low ranks come from
+adaptive cross approximation with partial pivoting (M. Bebendorf, Numer. Math. 86, 2000, 565-589).
 
 All blocks of one level are equally large and are treated together, as a stack of matrices.
 """

@@ -23,7 +23,7 @@ class Iterated:
 def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int = 200) -> Iterated:
     """The solution x of A x = b by GMRES from the start x = 0, with |b - A x| <= tolerance.
 
-    If round-off or the limit of `most` steps prevents this, it is the best x found.
+    If round-off or the limit of `most` steps prevents this, the result is the best x found.
     """
     beta = float(norm(b))
     if beta <= tolerance:

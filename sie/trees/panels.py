@@ -1,16 +1,17 @@
 """A smooth kernel between panels of equal length, as a short Chebyshev series on each pair.
 
-A user's kernel k(x, xi) is known to be smooth, but on which length it varies is found by sampling.
-The line is divided into panels. They are halved until, for x and xi on any pair of panels, the
-coefficients of the following series have decayed (t, tau: positions from -1 to 1 on the panels):
+A user's kernel k(x, xi) is known to be smooth. The length over which it varies is found by
+sampling. The line is divided into panels. They are halved until, for x and xi on any pair of
+panels, the coefficients of the following series have decayed (t, tau: positions from -1 to 1):
 
     k(x, xi) = sum_kl K^(d)_kl T_k(t) T_l(tau),
 
 where d is the number of panels by which x lies to the right of xi. The coefficients are one matrix
-K^(d) for each lag d. The moments of a panel are sum_q w_q T_l(tau_q), over the quadrature nodes of
-the zones on it. The field at points follows from the moments by series on the panels, in time
-linear in zones and points. A kernel that does not depend on x - xi alone is treated by a skeleton
-instead (`sie.trees.skeleton`). The kernel is then called for positions on zones only.
+K^(d) for each lag d. The moments of a panel are sum_q w_q T_l(tau_q) over the sources on it: nodes
+tau_q of the zones, where the density times the quadrature weight is w_q. The field at points
+follows from the moments by series on the panels, in time linear in zones and points. A kernel that
+does not depend on x - xi alone is treated by a skeleton instead (`sie.trees.skeleton`). The kernel
+is then called for positions on zones only.
 """
 
 from __future__ import annotations
@@ -256,8 +257,9 @@ class Panels(Kept):
         return Spread.of(self, x)
 
     def moments(self, spread: Any, weights: Array) -> Array:
-        """Moments on all panels of sources at n points, which have the given weights (n, ...).
-        The shape is (count * TERMS, ...).
+        """The moments of sources at n points, for all panels: shape (count * TERMS, ...).
+
+        weights: strengths of the sources (n, ...).
         """
         shape = weights.shape[1:]
         out = np.zeros((self.count, TERMS, *shape))

@@ -37,8 +37,8 @@ class PlaneOptions:
 
 OPTIONS = PlaneOptions()
 
-# Type of a function of pairs (point x + iy, interval). It returns the interval's fields at the
-# point.
+# Type of a function of pairs of a point x + iy and an interval. For each pair, it returns the
+# interval's fields at the point.
 OfLeaves = Callable[[Array, Array, Index, Sequence[What]], list[Complex]]
 
 
@@ -54,8 +54,8 @@ def fields_of_tree(
 
     For each point, nodes are split from the root down until they are far or are a single interval.
 
-    series: first moments of each node, coefficients of T_l / sqrt(1 - t^2). leaf: the fields of one
-    interval that is near.
+    series: first moments of each node, coefficients of T_l / sqrt(1 - t^2). leaf: function that
+    returns the fields of near intervals.
     """
 
     def of(seen: InPlane, w: Array, node: Index) -> Sequence[Complex]:

@@ -2,7 +2,7 @@
 
     k(x, xi) = sum_j k(x, s_j) P_j(xi)        x, xi on zones,
 
-with interpolating functions P_j, which hold for the potential of the kernel, too. A pivoted QR
+with interpolating functions P_j. The same P_j interpolate the potential of the kernel. A pivoted QR
 decomposition of k at a few hundred positions selects the columns s_j and as many rows. P_j(xi)
 solves this equation in the selected rows (H. Cheng, Z. Gimbutas, P. G. Martinsson and V. Rokhlin,
 SIAM J. Sci. Comput. 26, 2005, 1389-1404). So sources of the strengths w_q at positions xi_q on the
