@@ -8,8 +8,9 @@ right side of V, and its transform F at points zeta off the interval, are
     F(zeta) = -1/pi  int_u^1 (1 - v^(alpha - 1)) / (1 - v) dv,    u = (zeta - 1) / (zeta + 1),
 
 psi the digamma function and gamma Euler's constant. For kappa = 0 V is arccos(t) / pi. The density
-with the value 1 at the right end is the mirror image, with -kappa. The logarithm cancels the
-logarithm in the right side of the density that continues V beyond the end.
+with the value 1 at the right end is the mirror image, with -kappa. Beyond the end with the value 1,
+the density may keep this value. The right side of that part contains a logarithm, too, and the two
+logarithms cancel.
 """
 
 from collections.abc import Callable
@@ -37,7 +38,7 @@ class ValueMode:
     Parameters
     ----------
     weighted : JacobiFunctions
-        The densities of the interval, with kappa.
+        The basis densities on the interval, for the factor kappa.
     at_left : bool
         Whether the value at the left end is 1.
 
@@ -58,7 +59,7 @@ class ValueMode:
 
     @property
     def _half(self) -> JacobiFunctions:
-        """The interval's densities `weighted`, mirrored if this density is 1 at the right end."""
+        """The basis densities `weighted`, mirrored if this density is 1 at the right end."""
         return self.weighted if self.at_left else self.weighted.mirrored
 
     @property
@@ -107,14 +108,13 @@ class ValueMode:
     def moments(self, length: int) -> Array:
         """Chebyshev moments (2 - delta_l0) / pi int V T_l dt of this density V, for l < `length`.
 
-        They are defined as in `JacobiFunctions.moments`. Integration by parts gives them from the
-        moments of the weight.
+        They are defined as in `JacobiFunctions.moments`.
         """
         weights = self._half.first_moments(length + 1)
         weights[1:] *= 0.5
         n = np.arange(1.0, length + 1)
         # `divided` is ((1/pi) int w T_n dt - T_n(-1)) / n, with the weight w. Integration by parts
-        # gives the moments from it.
+        # gives the moments of V from `divided`.
         divided = (weights[1:] - (1 - 2 * (n % 2))) / n
         out = divided.copy()
         out[1:] *= 0.5
@@ -143,9 +143,10 @@ class ValueMode:
     def _mirrored(
         self, points: Points, of: Callable[[JacobiFunctions, Number, Number], Number], sign: float
     ) -> Number:
-        """Field of this density, by a function `of` for the density with the value 1 at the left.
-        If this density has the value 1 at the right end, `of` is called at the mirror images of the
-        points, and the result is multiplied by `sign`.
+        """Transform of this density (or its derivative), by a function `of`.
+        `of` is for the density with the value 1 at the left end. If this density has the value 1 at
+        the right end, `of` is called at the mirror images of the points. The result is then
+        multiplied by `sign`.
         """
         left, less = from_ends(points)
         if self.at_left:

@@ -1,7 +1,7 @@
 """Exponents of a density at the ends of zones, and scales that follow from the exponents.
 
-On a zone of half width w let t = -1 ... 1 be the coordinate. At a small distance d from an end a
-density is K d^(-p) + A d^(1-p), with the intensity K and the edge slope A. For an equation of the
+On a zone of half width w the scaled position t runs from -1 to 1. At a small distance d from an end
+a density is K d^(-p) + A d^(1-p), with the intensity K and the edge slope A. For an equation of the
 first kind p is 1/2 at all ends. For kappa phi + T phi = g, with the transform T,
 
     p = alpha at left ends,    p = 1 - alpha at right ends,    cot(pi alpha) = kappa
@@ -95,16 +95,16 @@ class Weight:
         return 4**self.exponent / (2 * root)
 
     def edge_scale(self, w: Any) -> Any:
-        """Intensity K, at both ends, of sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).
-        K is the coefficient of d^(-p), with the distance d from the end.
+        """Intensities K of the density sin(pi alpha) (1 - t)^(alpha - 1) (1 + t)^(-alpha).
+        There is one K for each end: the coefficient of d^(-p), with the distance d from the end.
 
         w: half width of the zone.
         """
         return self._factor * (0.5 * w) ** self.exponent
 
     def slope_scale(self, w: Any) -> Any:
-        """Edge slope A, at both ends, of sin(pi alpha) (1 - t)^alpha (1 + t)^(1 - alpha).
-        A is the coefficient of d^(1 - p), with the distance d from the end.
+        """Edge slopes A of the density sin(pi alpha) (1 - t)^alpha (1 + t)^(1 - alpha).
+        There is one A for each end: the coefficient of d^(1 - p), with the distance d from the end.
 
         w: half width of the zone.
         """
@@ -114,7 +114,8 @@ class Weight:
         """The outward motion of an end that makes its intensity k vanish, to first order.
         At the distance d from the end, the density is k / d^p + slope * d^(1 - p).
 
-        The motion s of an end with K = 0 shifts A d^(1-p) by s, which changes K by -(1 - p) A s.
+        An outward motion s of an end shifts the term A d^(1-p) by s. This changes the intensity K
+        by -(1 - p) A s.
         """
         return k / ((1 - self.exponent) * slope)
 

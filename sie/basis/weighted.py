@@ -20,8 +20,8 @@ a point zeta off the interval is F(zeta) = (1/pi) int S(t) / (zeta - t) dt.
                      off it, of S_n: -1/n times the transform of (1 - t^2) w q_(n-1)
 
 N. I. Muskhelishvili, Singular Integral Equations, 1953, ch. 14; G. Szegő, Orthogonal Polynomials,
-4.62. Places are given by distances left = 1 + t and right = 1 - t, points off the interval by the
-classes of `sie.basis.interval`.
+4.62. Points t on the interval are given by their distances left = 1 + t and right = 1 - t from its
+ends, points off the interval by the classes of `sie.basis.interval`.
 """
 
 import cmath
@@ -195,8 +195,8 @@ class JacobiFunctions(Kept):
         w is the weight, p_n are Jacobi polynomials. c has the shape (n,), or a row for each of
         several densities.
 
-        At an end said to be bounded the intensity is round-off, and is left out. The coefficients
-        follow from p_n = b_(n+1) q_n + e_n q_(n-1) - b_n q_(n-2), from the last one down.
+        At an end declared bounded the intensity is only round-off, and is set to zero. The
+        coefficients follow from p_n = b_(n+1) q_n + e_n q_(n-1) - b_n q_(n-2), the last one first.
         """
         at_left, at_right = self.edge_values(c.shape[-1])
         k_left = np.where(left_bounded, 0.0, c @ at_left)
@@ -422,9 +422,10 @@ class JacobiFunctions(Kept):
     ) -> Number:
         """Transform at points of the whole plane, by a function `of` for the right half plane.
 
-        of(weighted, sign, zeta - 1, zeta + 1): for the sign -1 it is called with the mirrored
-        densities at -zeta; the transform there is minus that at zeta. Logarithms and roots take
-        the side of the real line from the sign of a zero imaginary part, which is right in -zeta.
+        At zeta in the right half plane, the result is of(densities, 1, zeta - 1, zeta + 1). At zeta
+        in the left half plane, `of` is called at -zeta, with the mirrored densities and the sign
+        -1, and its result is negated. On the real line, logarithms and roots take the side of the
+        line from the sign of a zero imaginary part. The sign in -zeta is the right one.
         """
         left, less = from_ends(points)
         mirror = (left + less).real < 0

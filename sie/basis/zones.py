@@ -4,8 +4,8 @@ At a distance d from an end the density is K / sqrt(d) + A sqrt(d). A *singular*
 unknown. A *bounded* end has K = 0 (or a prescribed K) at a given place. A *free* end has a given K
 (zero, or a prescribed intensity) at an unknown place. At an end with a *value* v, the density is
 K / sqrt(d) + v + A sqrt(d). A zone with two singular ends has index 1 and needs one side condition.
-Each end that is bounded or free instead lowers this number by one. A free end also adds one
-unknown, its position (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
+Each end that is not singular, but bounded or free, lowers this index by one. A free end also adds
+one unknown, its position (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
 """
 
 from collections.abc import Sequence
@@ -29,11 +29,12 @@ class End:
     moves : bool
         Whether the position is unknown.
     intensity : float or None
-        The prescribed K at the end; None if K is left free (a singular end).
+        The prescribed coefficient K at the end; None if K is unknown (a singular end).
     value : float
-        Value v of the density at the end, which comes on top: K / sqrt(d) + v + A sqrt(d).
+        The term v of the density K / sqrt(d) + v + A sqrt(d) at the distance d from the end.
     until : float or None
-        Where the plateau beyond an end with a value ends; None: at the next zone.
+        For an end with a value: the position up to which the density keeps this value beyond the
+        end (on a plateau); None: up to the next zone.
 
     Raises
     ------
@@ -109,14 +110,14 @@ def free_with_value(value: float, until: float | None = None) -> End:
     """A free end near which the density is `value` plus a multiple of sqrt(d), d the distance.
 
     Beyond the end the density keeps this value: on a *plateau*, which ends at the next zone (whose
-    end must have the same value) or at a given place. Examples are the edge of a part of a contact
-    that yields at a limit of the pressure, and of a band that is saturated. The plateau belongs to
-    the density: to its values, transforms, total and moments.
+    end must have the same value) or at a given place. Examples are the edge of a yielded part of a
+    contact, where the pressure has reached its limit, and the edge of a saturated band. The plateau
+    is a part of the density: it counts in values, transforms, total and moments.
 
     Parameters
     ----------
     value : float
-        v; beside the end the density is nearer to zero.
+        v; in the zone, the density near the end is nearer to zero than v.
     until : float or None
         Where the plateau ends; None: at the next zone.
 
@@ -199,8 +200,8 @@ class Zones(Kept):
     weight : Weight
         The exponents of a density at the ends of the zones. `solve` sets them from the equation.
     depth : ndarray
-        For rims, which are zones between two different end values: logarithm of the true width
-        divided by the width b - a (n,), see `sie.ends.rims`. It is 0 for other zones.
+        Logarithm (n,) of the true width of a rim divided by b - a, see `sie.ends.rims`; 0 for other
+        zones. A rim is a zone whose density has two different given values at its ends.
 
     Examples
     --------
@@ -240,7 +241,7 @@ class Zones(Kept):
         Raises
         ------
         ValueError
-            If ends are not finite and strictly ascending, or symmetric zones are no mirror images.
+            If ends are not finite and strictly ascending, or symmetric zones not mirror images.
         """
         table = inputs.table_of("zones", ends)
         if table.ndim != 2 or table.shape[1] != 2 or table.shape[0] == 0:
@@ -329,8 +330,8 @@ class Zones(Kept):
     @cached_property
     def true_half(self) -> Array:
         """Half widths of the zones (n,), the true ones also for rims.
-        A rim is a zone between two different end values; it is computed with a larger width
-        (`depth`).
+        A rim is a zone whose density has two different given values at its ends. Rims are computed
+        with a larger width than the true one (see `depth`).
         """
         return np.asarray(self.half * np.exp(np.maximum(self.depth, np.log(EPS))))
 
@@ -398,12 +399,12 @@ class Zones(Kept):
 
     @cached_property
     def values(self) -> Array:
-        """Values of the density at left and right ends (2, n)."""
+        """Prescribed values of the density at left and right ends (2, n); zero if there is none."""
         return np.array([[end.value for end in ends] for ends in (self.left, self.right)])
 
     @cached_property
     def have_values(self) -> bool:
-        """Whether the density has a value other than zero at any end."""
+        """Whether a value of the density other than zero is prescribed at any end."""
         return any(
             end.value != 0.0 for end in {id(e): e for e in (*self.left, *self.right)}.values()
         )

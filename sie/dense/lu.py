@@ -15,10 +15,10 @@ from sie.basis.sums import OPTIONS as SUMS
 class Factored:
     """LU factors of the matrix whose rows are the equation and the side conditions.
 
-    size_of_rows: root of the sum of squares of each row's terms at the solution; last: columns of
-    the last coefficient of each solved zone; rows: the matrix itself, kept only if intensities are
-    prescribed and their rates are needed; reciprocal_condition: estimate of the reciprocal
-    condition number of the matrix in the 1-norm, NaN if it was not estimated.
+    size_of_rows: root of the sum of squares of each row's terms at the solution; last: the columns
+    of the matrix for the last coefficient of each solved zone; rows: the matrix itself, kept only
+    if moving ends have prescribed intensities, whose rates need it; reciprocal_condition: estimate
+    of the reciprocal condition number of the matrix in the 1-norm, NaN if it was not estimated.
     """
 
     lu: Array

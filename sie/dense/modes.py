@@ -1,9 +1,9 @@
-"""Numbers of modes of each zone: of the right side on it, and coupled to other zones.
+"""Two numbers of modes for each zone: of the right side, and of the coupling to other zones.
 
 The right side is sampled with a number of nodes that doubles until its coefficients have decayed.
-This is cheap, because a zone's own operator is diagonal. The coefficients of the field of the other
-zones decay as rho^k, where rho belongs to the nearest end of another zone (or image, or singularity
-of a column). So narrow zones far apart need few coupled modes.
+This is cheap, because a zone's own operator is diagonal. The field of the other zones has
+coefficients that decay as rho^k. Here rho < 1 belongs to the nearest end of another zone (or of an
+image), or to the nearest singularity of a column. So narrow zones far apart need few coupled modes.
 
 Consider a narrow zone with a load between two neighbours that keep their levels (constant
 potentials). The neighbours act on the load like the grounded half-lines x < -g and x > g', with g
@@ -56,8 +56,8 @@ class ModeOptions:
     # noise: even for a kernel as rough as |x - xi| they would be more than halved.
     nearly_decayed: float = 1e-5
     # First number of nodes of a zone. A zone begins with more nodes if the right side is singular
-    # close to the zone. The size of the subtracted jumps of the right side is also taken from this
-    # number of their first coefficients.
+    # close to the zone. This number of first coefficients also gives the size of the functions with
+    # jumps that are subtracted from the right side.
     first_nodes: int = 16
     # The decay of the right side's coefficients on a zone is judged only if the zone has at least
     # this number of nodes for each jump of the right side.
@@ -195,8 +195,7 @@ def most_own(zones: Zones) -> int:
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Number m of modes of each zone (Z,) that enter the linear system for all zones.
 
-    Unless `max_modes` limits m, rho^m is below the tolerance, with rho of the nearest end of
-    another zone (see `decay`).
+    Unless `max_modes` limits m, rho^m is below the tolerance, where -log(rho) is `decay`.
     """
     by = decay(zones, kernel)
     want = np.minimum(-np.log(tolerance) / np.maximum(by, 1e-3), OPTIONS.max_modes)
@@ -208,7 +207,8 @@ def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) 
 def decay(zones: Zones, kernel: Kernel) -> Array:
     """Decay rate of the coefficients of the other zones' field on each zone (Z,).
 
-    It is -log(rho) of the nearest end of another zone or image, and inf if there is none.
+    The coefficients fall as rho^k. The rate is -log(rho), where rho belongs to the nearest end of
+    another zone or of an image; it is inf if there is no other zone.
     """
     left, right = gaps(zones, kernel)
     return decay_rate(np.minimum(left, right) / zones.half)
@@ -217,7 +217,7 @@ def decay(zones: Zones, kernel: Kernel) -> Array:
 def least_distance() -> float:
     """Least distance of a singularity from a zone for which `max_nodes` nodes are enough.
 
-    The distance is divided by the zone's width. With so many nodes, the coefficients nearly decay.
+    The distance is divided by the zone's width.
     """
     rate = -math.log(OPTIONS.nearly_decayed) / OPTIONS.max_nodes
     return 0.5 * excess_of(rate)
@@ -250,9 +250,9 @@ def sample(
 ) -> Samples:
     """Sample the right side on each zone, with more nodes until its coefficients have decayed.
 
-    A symmetric set is sampled on its right half only. The decay is measured relative to the
-    coefficients of the smooth part or of the subtracted jumps, whichever are larger: under a wedge,
-    the smooth part is nothing but the round-off of the jumps. If only derivatives of the right side
+    Of symmetric zones, only the right half is sampled. The decay is measured relative to the
+    coefficients of the smooth part or of the subtracted jumps, whichever are larger: if g is a
+    step, the smooth part is only the round-off of the jump. If only derivatives of the right side
     g jump, the decay is measured relative to g itself, because the terms of the jumps may be much
     larger than their sum.
     """
@@ -332,10 +332,10 @@ def sample(
 def _cut(table: Array, own: Index, tail: Array, zones: Index) -> None:
     """Set the end of long series to zero, in place, if their second half is only round-off.
 
-    From the middle to the end the coefficients of a jump decrease to half, and round-off does not.
-    The limit is the geometric mean of both ratios.
-    Close to an end the sum of the round-off of n coefficients grows as n^1.5. This sum is smaller
-    with fewer coefficients from the same number of nodes.
+    From the middle of a series to its end, the coefficients of a jump decrease to one half, while
+    round-off stays constant. The limit sqrt(2) is the geometric mean of the ratios 2 and 1.
+    Close to an end of the zone, the sum of the round-off of n coefficients grows as n^1.5. This sum
+    is smaller with fewer coefficients from the same number of nodes.
     """
     for zone in zones[own[zones] >= SUMS.max_direct_terms]:
         n = int(own[zone])
@@ -355,7 +355,7 @@ def place_rounding(zones: Zones, group: Index) -> Array:
 
 
 def mirror(zones: Zones, table: Array) -> None:
-    """Fill the rows of the left zones of a symmetric set from their mirror images, in place."""
+    """Fill the rows of the left half of symmetric zones from their mirror images, in place."""
     left = np.arange(len(zones) // 2)
     table[left] = table[::-1][left] * (1.0 - 2.0 * (np.arange(table.shape[1]) % 2))
 
@@ -372,8 +372,8 @@ def _values(
     # below the last digit.
     rest = zones.rest[:, group][:, :, None]
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
-    # The zone of every node, and the node's distance from the zone's left end in half widths, one
-    # zone after another.
+    # (zone of every node, the node's distance from the zone's left end in half widths). The nodes
+    # are listed one zone after another.
     of_jumps = np.repeat(group, len(left)), np.tile(left, len(group))
     if float(place_rounding(zones, group).max()) > SUM_ROUNDING:
         # The values at rounded nodes are corrected by the slope of g. Jumps of g are removed first,
@@ -389,7 +389,7 @@ def _values(
 
 def conformal_radius(left: Array, right: Array) -> Array:
     """Conformal radius R = 4 g g' / (g + g') for a narrow zone between two half-lines.
-    The head of this file has its meaning: the zone is treated as a point.
+    The zone is treated as a point. The head of this file explains the radius.
 
     left, right: distances g and g' of the half-lines from the zone. One of them may be infinite.
     """

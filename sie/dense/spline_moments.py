@@ -97,8 +97,9 @@ def of_logarithms(
 ) -> tuple[Array, Array]:
     """(coefficients of the logarithms of plateaus, mean of their primitive) on the zones `chosen`.
 
-    The coefficients at [:, k], k up to the zone's entry of `counts`, are those of the smooth part
-    on the zone. Logarithms close to a zone have a density in closed form. The means include them.
+    `counts` is the number of coefficients of each zone. The coefficients at [:, k] leave out
+    logarithms close to the zone, whose densities are known in closed form. The means include all
+    logarithms.
     """
     out = np.zeros((len(chosen), int(counts.max()) + 1))
     if jumps.logarithms is None:

@@ -127,8 +127,8 @@ class Targets:
         Both results have the shape (points, sources). The mask is 0 for a target on the source
         itself, else 1. It is None if `shift` is not 0, since then there is no such pair. Distances
         are sums of the gap between the two zones and the distance of the point from its own zone's
-        end, so that only the ends cancel. The position of a target on the source itself is
-        arbitrary: the caller uses another formula.
+        end. So digits are lost only in the gap, the difference of two ends. The position of a
+        target on the source itself is arbitrary: the caller uses another formula.
         """
         a, b = zones.a[sources] + shift, zones.b[sources] + shift
         z = self.zone
@@ -173,8 +173,8 @@ def fields(
     """Transform or potential at the targets, if one unknown is 1 and all others are 0.
     The table (points, unknowns) has a column for each unknown.
 
-    If `potential` is set it is the potential divided by the half width of the zone. The effect of a
-    zone on itself is omitted.
+    If `potential` is true, the table contains the potential divided by the half width of the
+    unknown's zone. The effect of a zone on itself is omitted.
     """
     out = np.zeros((len(targets.x), layout.size))
     for m in np.unique(layout.m):
@@ -310,7 +310,7 @@ class System(Rows):
     def equation_rows(self) -> tuple[Array, Array]:
         """(matrix, right side) of the equation on the solved zones.
 
-        These are half of all zones if the zones are symmetric.
+        The solved zones are half of all zones if the zones are symmetric.
         """
         layout, zones = self.layout, self.zones
         if len(self.own) == 0:  # only the totals are unknown
@@ -595,9 +595,9 @@ class System(Rows):
         constants = rows @ layout.flat(self.known)
         if self.unseen_moments is not None:
             constants = constants + self.of_panels(self.unseen_moments)[1]
-        # The width of a rim (a zone between two different end values) is exp(`Zones.depth`) times
-        # its true width. The unknown total of the density is spread over the true width, so that
-        # its mean potential is corrected. The known part of the density is not corrected.
+        # The true width of a rim (a zone with two different given values at its ends) is
+        # exp(`Zones.depth`) times its width here. The unknown total of the density is spread over
+        # the true width, so that its mean potential is corrected. The known part is not corrected.
         rows[np.arange(len(solved)), layout.offset[solved]] += (zones.half * zones.depth)[solved]
         for k, column in enumerate(self.equation.columns):
             rows[:, layout.coefficients + k] = -self._column_means(column.primitive)
@@ -702,7 +702,7 @@ class MirrorSymmetry:
         return np.asarray(places[unknowns])
 
     def fold(self, matrix: Array) -> Array:
-        """The matrix of the unknowns solved for; columns of their mirror images are added."""
+        """The matrix for the unknowns solved for; columns of mirror images are added to theirs."""
         if len(self.follow):
             matrix[:, self.source] += matrix[:, self.follow] * self.sign
         return np.asarray(matrix[:, self.keep])

@@ -1,4 +1,4 @@
-"""Base of densities: places on the line and in the plane, with or without slits."""
+"""Base class of densities: values on the line, fields on the line and at complex points."""
 
 import math
 from collections.abc import Callable
@@ -95,7 +95,7 @@ class DensityBase(Kept):
         return by_angle(lambda left, right: self.at(zone, left, right), angle)
 
     def change_sizes(self, zone: Any, angle: Array) -> tuple[Array, Array, Array]:
-        """Absolute values of (density, its change if the left end moves, if the right end moves).
+        """Absolute values of the density and of its changes by motions of the left and right ends.
 
         They are taken at the given angles on zones. For the changes see `Density.sensitivity`.
         """
@@ -129,7 +129,7 @@ class DensityBase(Kept):
     def into_period(self, x: Array) -> Array:
         """x moved by whole periods to within half a period of the middle of all zones.
 
-        For points x there, the poles of the kernel stand for the nearest images of the zones.
+        For such points, the shifts `kernel.poles` lead to the images of the zones nearest to x.
         """
         return nearest_image(x, 0.5 * (self.zones.a[0] + self.zones.b[-1]), self.kernel.period)
 

@@ -41,10 +41,11 @@ class Density(Series):
     amplitudes : ndarray
         Amplitudes of the equation's columns (k,).
     bounded_ends : bool
-        Whether round-off traces of 1/sqrt(d) at free ends are removed, see `with_bounded_ends`.
+        Whether terms 1/sqrt(d) that round-off causes at free ends are removed, see
+        `with_bounded_ends`.
     edges : tuple or None
-        (alpha, beta) of the unbounded part `singular`, if they differ from those that follow from
-        the coefficients.
+        Coefficients (alpha, beta) of the unbounded part `singular`, if they differ from those that
+        follow from `coefficients`.
 
     Examples
     --------
@@ -126,9 +127,9 @@ class Density(Series):
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(whether x lies in a slit, integral of the slit's unknown from its left end to x).
-        A slit is a narrow gap treated as part of a wide zone; its unknown is the right side minus
-        the transform.
+        """(whether x lies in a slit, integral of the slit's unknown function up to x).
+        A slit is a narrow gap treated as part of a wide zone. Its unknown function is the right
+        side minus the transform. The integral begins at the slit's left end.
 
         This density has no slits: false and zero everywhere.
         """

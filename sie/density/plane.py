@@ -8,9 +8,10 @@ zones. On the upper side of the zones, F is the transform on the line minus i ph
 Monatsh. Math. Phys. 19, 1908, 205-210). Everything is computed in the closed upper half plane. The
 density is real, so that the lower half plane has the conjugate values.
 
-The series on zones are summed by powers of rho (see `sie.basis.interval`). The closed forms of a
-jump at s = cos(phi), with an angle phi (see `sie.jumps`), contain A = 1 - rho e^(i phi) and
-B = 1 - rho e^(-i phi). With p = sqrt(zeta + 1) and m = sqrt(zeta - 1),
+The series on zones are summed by powers of rho (see `sie.basis.interval`). Let zeta be z relative
+to a zone: -1 and 1 at its ends. The closed forms of a jump at s = cos(phi), with an angle phi (see
+`sie.jumps`), contain A = 1 - rho e^(i phi) and B = 1 - rho e^(-i phi). With p = sqrt(zeta + 1) and
+m = sqrt(zeta - 1),
 
     B = 2 e^(-i phi/2) (cos(phi/2) m + i sin(phi/2) p) / (p + m),     A B = 2 rho (zeta - s),
     sum (2/j) rho^j sin(j phi) = -i log(B / A),      log(1 - 2 rho cos(phi) + rho^2) = log(A B).
@@ -94,7 +95,7 @@ class Plane:
     # regular part.
     def poles(self, x: Array, y: Array, whats: Sequence[What]) -> list[Complex]:
         """Fields (transforms or potentials) at x + i y that the kernel's poles cause.
-        The zones are summed by a tree (`sie.trees`).
+        A tree computes the sum over the zones (`sie.trees`).
         """
         return fields_of_tree(
             self.nested.tree, self.series, self.density.kernel, (x, y), whats, self.of_zones
@@ -200,9 +201,9 @@ class Plane:
 
     @cached_property
     def _central_nodes(self) -> list[tuple[Array, Array]]:
-        """Nodes on the interval that spans all zones, and weights that represent the density there.
+        """Nodes on the interval that spans all zones, and weights that replace the density there.
 
-        The weights reproduce the first moments of the density, which is enough if the kernel's
+        The weights have the same first moments as the density. This is enough if the kernel's
         regular part is smooth over a period.
         """
         tree, half = self.nested.tree, self.nested.tree.half[0]

@@ -1,8 +1,8 @@
 """The series of a density that is given as a function of x, sampled on its zones.
 
-With X = sqrt(1 - t^2), the product of X and the density is a smooth function of t on a zone: the
-density is K / sqrt(d) + A sqrt(d) + ... at a distance d from an end. So X times the density is a
-quickly converging sum of Chebyshev's T_j, whose coefficients are those of `sie.Density`.
+On a zone, t runs from -1 to 1. At a distance d from an end, the density is
+K / sqrt(d) + A sqrt(d) + ... So the density times X = sqrt(1 - t^2) is a smooth function of t, and
+its series in Chebyshev polynomials T_j converges fast. Its coefficients are those of `sie.Density`.
 """
 
 import math
@@ -149,11 +149,10 @@ def series_of(
     f: Callable[[Array], Array], zones: Zones, tol: float
 ) -> tuple[Array, tuple[Array, Array]]:
     """Chebyshev series of the density f on each zone, and its unbounded part.
-    The result is (coefficients (Z, n) of T_j / X, coefficients alpha and beta of (alpha + beta t) /
-    X), with Chebyshev polynomials T_j in t.
+    The result is (coefficients (Z, n) of T_j / X, (alpha, beta)), with Chebyshev polynomials T_j.
 
-    X is sqrt(1 - t^2). alpha and beta are those of `Series.singular`, with the intensities that the
-    kinds of ends prescribe.
+    X is sqrt(1 - t^2). The unbounded part is (alpha + beta t) / X, see `Series.singular`. It has
+    the intensities that the kinds of ends prescribe.
     """
     inputs.function("the density", f)
     if not isinstance(zones, Zones):

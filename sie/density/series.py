@@ -1,4 +1,4 @@
-"""A density as series on its zones: coefficients and jumps, values, and fields on the line.
+"""A density as series on its zones: coefficients, jumps, values, and fields on the line.
 
 `sie.basis.interval` has the closed forms for a zone and its images. The regular part of the kernel
 is integrated by quadrature.
@@ -219,9 +219,10 @@ class Series(DensityBase):
                 out.shape
             )
         if self.zones.depth.any():
-            # A rim is a zone between two different end values, computed with a larger width than
-            # its true width. The deviation of the density from `passage`, the density on a very
-            # narrow rim, is proportional to the width. It is reduced to that of the true width.
+            # A rim is a zone with two different given values at its ends. It is computed with a
+            # larger width than its true width. The deviation of the density from `passage`, the
+            # density on a very narrow rim, is proportional to the width. So it is multiplied by
+            # the true width over the width used.
             part = np.exp(self.zones.depth)[zone]
             out = np.where(
                 part < 1.0, part * out + (1 - part) * self.passage(zone, left, right), out
@@ -230,8 +231,8 @@ class Series(DensityBase):
 
     def passage(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """The density on a rim that is so narrow that the right side does not vary on it.
-        A rim is a zone between two different end values of the density. The density is a linear
-        function of the angle arccos(t) there.
+        A rim is a zone with two different given values of the density at its ends. There the
+        density is a linear function of the angle arccos(t).
         """
         at_left, at_right = self.zones.values[:, np.asarray(zone)]
         return np.asarray(at_right + (at_left - at_right) * interval.theta(left, right) / np.pi)
@@ -297,10 +298,10 @@ class Series(DensityBase):
 
     @cached_property
     def potential_coefficients(self) -> Array:
-        """Density coefficients c_0 and c_k / k (k > 0) of each zone, from which potentials follow.
-        c_k is the coefficient of T_k / sqrt(1 - t^2) in the density.
+        """Table (zones, n + 1) of c_0 and c_k / k (k > 0), from which potentials follow.
+        c_k is the coefficient of T_k / sqrt(1 - t^2) in the density of a zone.
 
-        They lack the jumps that `ForcingJumps.sharp_potential` gives in closed form.
+        The table does not include the jumps whose potential `ForcingJumps.sharp_potential` gives.
         """
         c, high = self.coefficients, self.jumps.high_coefficients(self.zones)
         table = widened(c, high.shape[1]) + widened(high, c.shape[1])

@@ -16,8 +16,8 @@ from sie.slits.system import AnyDensity
 class DomainLimit:
     """Whether a Newton step would move ends of zones out of the domain of the right side.
 
-    reached: whether an end that would leave it is already as close to the border as it may come;
-    reason: which ends would leave it, in words, or empty.
+    reached: whether an end that would leave the domain is already as close to the domain's border
+    as is allowed; reason: message that names the ends that would leave the domain, or empty.
     """
 
     reached: bool
@@ -27,7 +27,7 @@ class DomainLimit:
 def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
     """Whether and where outward steps `delta` (2, Z) of ends would leave the allowed interval.
 
-    This is the interval in which the right side is known, `Equation.within`.
+    The right side is known in this interval (`Equation.within`).
     """
     names, is_close = [], False
     distances, last = border_distances(zones, equation), len(zones) - 1
@@ -57,14 +57,14 @@ def border_distances(zones: Zones, equation: Equation) -> Array:
 
 
 def _interval(zones: Zones, equation: Equation) -> tuple[float, float]:
-    """Interval allowed for ends: the right side is known in it, and no outer plateau vanishes."""
+    """Interval allowed for ends: there the right side is known, and no outer plateau vanishes."""
     low, high = equation.within
     left, right = zones.left[0].until, zones.right[-1].until
     return low if left is None else max(low, left), high if right is None else min(high, right)
 
 
 def pinned_at_limits(zones: Zones, limits: tuple[float, float]) -> Zones:
-    """The zones; an outermost end beyond `limits` is fixed at the limit as a singular end."""
+    """The zones, with each outermost end beyond `limits` fixed at the limit as a singular end."""
     low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
     if not (low or high):
         return zones

@@ -1,7 +1,8 @@
-"""Effect of motions of free ends on edge intensities and levels, by singular densities.
+"""Effect of motions of free ends on the intensities at ends and on the levels of zones.
 
-At distance d from an end the density is K / sqrt(d) + A sqrt(d), with the intensity K and the edge
-slope A. If the end moves outward by s, the density phi at fixed positions changes by
+The level of a zone is the constant of the potential on it. At distance d from an end the density is
+K / sqrt(d) + A sqrt(d), with the intensity K and the edge slope A. If the end moves outward by s,
+the density phi at fixed positions changes by
 
     d phi/ds = -(K/2) d^(-3/2) + (dK/ds + A/2) d^(-1/2) + ...,
 
@@ -61,9 +62,10 @@ from sie.trees.krylov import gmres
 class Moved:
     """Direct effect of motions of ends on the density, while the unknowns do not change.
 
+    A motion of an end adds a singular density to its zone (see the head of this file).
     coefficients: those of a density that acts on other zones as the singular densities do
-    (unknowns, ...); own_level: change of the level of the same zone (Z, ...); own: change of the
-    intensities at both ends of the same zone (2, Z, ...); strength: factors of the singular
+    (unknowns, ...); own_level: change of the level of the end's own zone (Z, ...); own: change of
+    the intensities at both ends of this zone (2, Z, ...); strength: factors of the singular
     densities of the left and the right ends (2, Z, ...).
     """
 
@@ -105,8 +107,8 @@ class SingularDensities(Rows):
     """Direct effect of J motions of ends on the quantities that the side conditions use.
     At fixed unknowns, a motion changes the density by a function that is singular at the end.
 
-    Each matrix has J columns, one for each motion. Integrals with a weight count all modes of the
-    weight, also those beyond the modes of the zone. kept: cache of these modes, by weight and zone.
+    Each matrix has J columns, one for each motion. Integrals with a weight include all modes of the
+    weight, also those above the modes of the zone. kept: cache of these modes, by weight and zone.
     """
 
     system: System
@@ -249,7 +251,7 @@ class IteratedMotions(FreeEnds):
     @cached_property
     def _local(self) -> Array:
         """For each zone, the inverse (Z, 2, 2) of a matrix from motions of its ends to intensities.
-        The matrix gives the two intensities K of the zone that motions of its two ends cause.
+        The matrix gives the changes of the zone's two intensities K that these motions cause.
         """
         out = np.zeros((len(self.zones), 2, 2))
         for side in (0, 1):
@@ -336,7 +338,7 @@ class IteratedMotions(FreeEnds):
 
     def amplification(self) -> float:
         """Factor by which the interaction of zones enlarges motions of ends, from a random sample.
-        The motions are those that change the intensities K by given amounts.
+        The motions cause a given change of the intensities K.
 
         It is infinite if some motion leaves the intensities K unchanged.
         """
@@ -548,8 +550,9 @@ def rows_of_motions(state: State, matrix: Array, moved: Moved) -> Array:
 
 
 def end_motions(state: State, change: Array) -> tuple[Array, Array]:
-    """(motions of free ends, changes of the potential's constants) for given intensity changes.
+    """Motions of the free ends that cause given changes of the intensities, and changes of levels.
 
+    The level of a zone is the constant of the potential on it.
     The values of the side conditions do not change. For very many ends the motions are found by
     iteration, since the matrix of all rates would be too large.
 
@@ -565,7 +568,8 @@ def end_motions(state: State, change: Array) -> tuple[Array, Array]:
     motions : (2, Z) array
         Outward motions of the left and right ends.
     levels : (Z,) array
-        Changes of the levels of the solved zones; empty if no condition involves levels.
+        The resulting changes of the levels of the solved zones; empty if no condition involves
+        levels.
 
     Raises
     ------

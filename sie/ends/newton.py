@@ -91,7 +91,8 @@ class Free:
     trace : tuple of Step
         The Newton steps.
     value, value_error : float
-        Value of the open condition (None if there is no such condition), and its last change.
+        Value of the open condition (the side condition whose value is an unknown; None if there is
+        none), and the last change of this value.
     lost : ndarray
         Zones that vanished.
     met : ndarray
@@ -101,7 +102,7 @@ class Free:
     reason : str
         Why the search stopped.
     left : ndarray
-        The remaining outward moves (2, Z) if the ends have converged.
+        The outward moves of the ends (2, Z) that remain after convergence.
 
     Examples
     --------
@@ -153,19 +154,18 @@ class Free:
 
     @cached_property
     def narrow_rims(self) -> Mask:
-        """Mask (Z,) of the narrow rims; a rim is a zone between two different end values.
+        """Mask (Z,) of the narrow rims, much narrower than the gaps or plateaus beside them.
 
-        A narrow rim is much narrower than the gaps or plateaus beside it.
+        A rim is a zone whose density has two different given values at its ends.
         """
         return are_narrow(self.density.zones, self.state.equation)
 
     @cached_property
     def bent_rims(self) -> Array:
-        """Largest difference on narrow rims (Z,) from the density for a constant right side.
+        """Largest difference, on each narrow rim, from the density for a constant right side (Z,).
 
-        Narrow rims are those of `narrow_rims`. The difference is that at the width with which the
-        equation is solved (see `Zones.depth`), and is proportional to this width. It is 0 on other
-        zones.
+        It is 0 on zones that are not `narrow_rims`. The difference is proportional to the width of
+        the rim. It is given for the width with which the equation is solved (see `Zones.depth`).
         """
         density, out = self.density, np.zeros(len(self.density.zones))
         if not self.narrow_rims.any():
@@ -219,7 +219,8 @@ def find_ends(
     Parameters
     ----------
     equation : Equation
-        Kernel, right side, side conditions; one condition on the ends may have an open value.
+        Kernel, right side, side conditions. One side condition may have an unknown value (the open
+        condition); a condition on the ends then determines it.
     zones : Zones
         First guess of the ends, with their kinds.
     tolerance : float
@@ -227,7 +228,8 @@ def find_ends(
     options : NewtonOptions or None
         Options of Newton's method.
     start : WarmStart or None
-        Further data for the start: the open value, the error of the ends, numbers of modes.
+        Further data for the start: the value of the open condition, the error of the ends, and
+        numbers of modes.
 
     Returns
     -------
@@ -299,10 +301,11 @@ class _Search:
         return self._moved(state, motion, rest)
 
     def _rims_rest(self, motion: NewtonStep) -> bool:
-        """Whether the step nearly keeps the true widths of very narrow rims (transition zones).
+        """Whether the step nearly keeps the true widths of very narrow rims.
 
-        The logarithm of a true width, `depth`, needs only the square root of the ends' tolerance.
-        An error of `depth` times `rims.least_part` is an error of the ends.
+        A rim is a zone with two different given values at its ends. The tolerance of `depth`, the
+        logarithm of a true width, is only the square root of the ends' tolerance: an error of
+        `depth` is multiplied by `rims.least_part` to give an error of the ends.
         """
         if motion.depth is None:
             return True

@@ -27,8 +27,8 @@ class NewtonOptions:
     released_end : End
         Kind of an end after its release from a limit.
     decay : float or None
-        Truncation tolerance of the coefficients, relative to the largest; None: a tenth of the
-        tolerance of the ends.
+        Truncation tolerance of the density's coefficients, relative to the largest coefficient;
+        None: a tenth of the tolerance of the ends.
     bounded_ends : bool
         Whether the remaining 1/sqrt(d) terms are removed from the last density. As a function of
         the position relative to the zone, it is then accurate to first order in the errors of the
@@ -40,21 +40,22 @@ class NewtonOptions:
         Fraction of all ends that may be left unconverged, after `patience` steps. This gives a
         cheap first approximation of very many zones.
     patience : int
-        Newton steps granted to these ends.
+        Number of Newton steps after which the fraction `unresolved_fraction` may be left.
     max_shrink, max_growth : float
-        Damping: largest fraction of its zone by which an end moves inward, or outward, in a step.
-        It moves outward by at most the fraction `max_shrink` of the gap next to it. If ends have
-        given values, it moves inward by at most the fraction `max_growth` of this gap. Two ends
-        that face each other must not meet, so `max_shrink` is below 1/2. It is below `max_growth`,
-        so that zones far from the solution become wider on their way and do not stop.
+        Damping: largest fraction of its zone's width by which an end moves inward (`max_shrink`) or
+        outward (`max_growth`) in a step. An end moves outward by at most the fraction `max_shrink`
+        of the gap next to it. If the density has given values at ends, an end moves inward by at
+        most the fraction `max_growth` of this gap. Two ends that face each other must not meet, so
+        `max_shrink` is below 1/2. It is also below `max_growth`, so that zones far from the
+        solution rather become wider on their way.
     forcing, first_solution : float
         Inexact Newton (S. C. Eisenstat and H. F. Walker, SIAM J. Sci. Comput. 17, 1996, 16-32): the
         linear system is solved to `forcing` * step^3, so that its error stays below that of two
         more Newton steps. The tolerance is at most `first_solution`, and at least
         `forcing` * tolerance.
     step_margin : float
-        The error of an end is estimated by its next step times this factor, for terms of second
-        order.
+        The error of an end is estimated by its next step times this factor, which allows for terms
+        of second order.
     rounding_step : float
         Steps below this that no longer decrease are round-off.
     stalled_steps : int
@@ -115,8 +116,8 @@ class WarmStart:
         Estimated error of the first ends, relative to their zones' widths. The smaller it is, the
         smaller is the tolerance of the first iterative solution.
     modes_like : State, SlitState, Sizes or None
-        A solution on about the same zones. The search starts with its numbers of modes. `Sizes` of
-        the last solution that used them also give its unknowns, as a first guess.
+        A solution on about the same zones, or its `Sizes`. The search starts with the same numbers
+        of modes. `Sizes` also contain the unknowns of the last solution, as a first guess.
     abandon_if_far : bool
         Whether the search stops, unconverged, as soon as a step shows that the zones are not close
         to a solution.

@@ -1,4 +1,4 @@
-"""Progress of a search for ends: it decides on convergence, with errors, and on failure."""
+"""Progress of a search for ends: whether the ends have converged, with which errors, or failed."""
 
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -48,8 +48,8 @@ class Progress:
     initial_error: see `WarmStart`; trace: the steps; branches: residual and growth rate at each
     step, if intensities are prescribed; most: largest move of the last step, without the unresolved
     fraction of the zones; best: smallest move of all steps so far; stalled: number of steps in a
-    row that have not halved `best`; closing, leaving: for how many steps in a row the undamped step
-    has removed each gap, each zone.
+    row that have not halved `best`; closing, leaving: for each gap (`closing`) and each zone
+    (`leaving`), the number of steps in a row that would have removed it without damping.
     """
 
     options: NewtonOptions
@@ -241,11 +241,11 @@ class Progress:
         insists = np.zeros(len(gone), dtype=bool)
         if len(zones) > 1 and (~zones.rims & (self.leaving >= options.insistent_steps)).any():
             # If one zone counts as vanished, so do all zones that each of the last two undamped
-            # steps would have removed. Only rims (zones between two different end values) never
-            # vanish.
+            # steps would have removed. Only rims (zones with two different given values at their
+            # ends) never vanish.
             insists = (self.leaving >= 2) & ~zones.rims
-        # A rim (a zone between two different end values) may be very narrow. So the gap or plateau
-        # beside a rim is not compared with the width of the rim.
+        # A rim (a zone with two different given values at its ends) may be very narrow. So the gap
+        # or plateau beside a rim is not compared with the width of the rim.
         narrowest = np.where(zones.rims, np.inf, np.minimum(width, self.first_width))
         closed = self.closing >= 2
         if not options.allow_loss:

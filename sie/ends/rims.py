@@ -1,15 +1,18 @@
-"""Rims: zones between two values of the density, much narrower than plateau and gap beside them.
+"""Rims: zones whose density has two different given values at their ends, as beside a plateau.
 
-On a rim the density passes from one value to the other, like arccos(t) / pi times the difference v
-of the values. On the rim, the transform of this passage and of the plateau is nearly constant, and
+This file treats rims that are much narrower than the plateau and the gap beside them. On a rim the
+density passes from one value to the other, like arccos(t) / pi times the difference v of the
+values. On the rim, the transform of this passage and of the plateau is nearly constant, and
 contains -(v / pi) log(width): so the width falls exponentially with the right side, and may be far
 below round-off. At distances of many widths the field is that of a jump at the rim's middle, with a
-relative error of (width / distance)^2. So a rim keeps a least width, and its *depth*, the logarithm
-of the ratio of the true width to the width kept, says how much narrower the rim is. Newton's method
-finds the middle of such a rim from its level, and the logarithm of the width from the transform:
+relative error of (width / distance)^2. So a rim is computed with a least width. Its *depth* is the
+logarithm of the ratio of the true width to the width used. Newton's method finds the middle of such
+a rim from its level (the constant of the potential), and the logarithm of the width from the
+transform:
 
-* A charge q on the rim, of density q / (pi w sqrt(1 - t^2)), moves its middle by q / v.
-* A constant c of the transform, of density -c t / sqrt(1 - t^2), changes log(width) by pi c / v.
+* A charge q on the rim, with the density q / (pi w sqrt(1 - t^2)), moves the middle by q / v.
+* A constant c in the transform, with the density -c t / sqrt(1 - t^2), changes log(width) by
+  pi c / v.
 
 Both follow from the intensities K by delta = 2 K / A, with the edge slope A = v sqrt(2 / w) / pi of
 the passage.
@@ -38,8 +41,9 @@ def room_beside(zones: Zones, equation: Equation) -> Array:
 
 
 def are_narrow(zones: Zones, equation: Equation) -> Mask:
-    """Mask (Z,) of narrow rims; a rim is a zone between two different end values.
-    A narrow rim is much narrower than the gap and the plateau (or the two plateaus) next to it.
+    """Mask (Z,) of narrow rims, much narrower than the gap and the plateau next to them.
+    A rim is a zone with two different given values of the density at its ends. It may also lie
+    between two plateaus.
     """
     if not zones.have_values or not zones.weight.is_half:
         return np.zeros(len(zones), dtype=bool)
@@ -59,11 +63,11 @@ def end_scales(zones: Zones, equation: Equation) -> Array:
 
 
 def least_part(tolerance: float) -> float:
-    """Least width of a rim, divided by that of the narrower gap or plateau beside it.
-    A rim is a zone between two different end values.
+    """Least width of a rim, divided by the width of the narrower gap or plateau beside it.
+    A rim is a zone with two different given values of the density at its ends.
 
-    The error that this width causes is the square of this ratio, times a condition number: 1e-4 of
-    the tolerance.
+    This width causes an error of the square of the ratio, times a condition number. The square is
+    1e-4 of the tolerance.
     """
     return max(0.01 * float(np.sqrt(tolerance)), HALF_DIGITS)
 
@@ -73,8 +77,8 @@ def with_rim_steps(
 ) -> NewtonStep:
     """The Newton step of the ends; the steps of narrow rims are computed in other variables.
 
-    A rim is a zone between two different end values. Its variables are its middle and the logarithm
-    of its width. tolerance: tolerance of the positions of the ends.
+    A rim is a zone with two different given values at its ends. Its variables are its middle and
+    the logarithm of its width. tolerance: tolerance of the positions of the ends.
     """
     zones, equation = state.density.zones, state.equation
     narrow = np.flatnonzero(are_narrow(zones, equation))
@@ -120,8 +124,8 @@ def without_alternation(
     motion: NewtonStep, zones: Zones, narrow: Mask, last: LastMoves
 ) -> NewtonStep:
     """The Newton step, shortened on narrow rims for which it reverses the last step.
-    It is then at most half as long as the last step. A rim is a zone between two different end
-    values.
+    It is then at most half as long as the last step. A rim is a zone with two different given
+    values of the density at its ends.
 
     The right side on a rim may vary within the length of a step, so that steps would alternate.
     last: the last step, which led to the present zones.

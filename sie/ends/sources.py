@@ -1,13 +1,13 @@
-"""Response of a solution to unit sources outside its zones, in closed form close to zones.
+"""Response of a solution to unit sources outside its zones, accurate also close to zones.
 
-A unit source at c adds K(x, c)/pi to the right side, with the kernel K(x, c). With rho of the
-position c relative to a zone of half width w (`sie.basis.interval`),
+A unit source at c adds K(x, c)/pi to the right side, with the kernel K(x, c). Let rho belong to the
+position c relative to a zone of half width w (`sie.basis.interval`). Then
 
     1/(x - c) = -(2/w) sum_{k >= 1} rho^k U_{k-1}(t),
 
 so the coefficients of the modes l that are not unknowns are (2/w) rho^l / pi. They contribute
-geometric series to the intensities, and logarithms to the potential at other positions. Both hold
-however close to the zone a source is.
+geometric series to the intensities, and logarithms to the potential at other positions. Both sums
+have closed forms, which are valid however close to the zone a source is.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,8 @@ class Answers:
     intensities : (2, Z, J) array
         Changes of the intensity K at the left and the right ends.
     levels : (Z, J) array
-        Changes of the levels of the zones; empty if no condition involves levels.
+        Changes of the levels of the zones, the constants of the potential on them; empty if no
+        condition involves levels.
     potentials : (P, J) array
         Changes of the density's potential at the given positions.
 
@@ -79,7 +80,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     Examples
     --------
     A unit source at c, far to the right of a zone, adds the constant -1/(pi c) to the right side on
-    it. This tilts the profile and makes |K| = w^(1/2)/(sqrt(2) pi c) at both ends.
+    the zone. This makes |K| = w^(1/2)/(sqrt(2) pi c) at both ends.
 
     >>> import numpy as np
     >>> import sie
@@ -159,9 +160,9 @@ def _solved(state: State, right: Array) -> Array:
 def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
     """Potential (P, S) at P positions due to the modes l > m of the zones, for S unit sources.
 
-    m is the number of modes of each zone that are unknowns of the linear system (Z,). up: rho of
-    the sources (Z, S, poles); seen: rho' of the positions (Z, P, poles). The potential is the sum
-    over zones and poles of -(2/pi) sum_{l > m} (rho rho')^l / l.
+    m: highest mode of each zone that is an unknown of the linear system (Z,); up: rho of the
+    sources (Z, S, poles); seen: rho' of the positions (Z, P, poles). The potential is the sum over
+    zones and poles of -(2/pi) sum_{l > m} (rho rho')^l / l.
     """
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(m)):

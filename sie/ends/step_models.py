@@ -32,8 +32,9 @@ where S is A without its dependence on K,
 
 If the density changes sign across the gap, the last square is absent. If the density jumps by J in
 the gap (a logarithm of the right side, see `jumps.density`), a kink contributes (J/pi) sqrt(2/c) to
-S. The integral of this term grows like c, and that of the rest of S like c^2. Then the sum of these
-two integrals changes by -K sqrt(2 c). For small K the step is always the plain one, 2 K / A.
+S. The load that closes a gap has a part proportional to c, due to this term, and a part
+proportional to c^2, due to the rest of S. The step changes the sum of both parts by -K sqrt(2 c).
+For small K the step is always the plain one, 2 K / A.
 """
 
 from collections.abc import Callable
@@ -50,15 +51,16 @@ from sie.equation.forcing import Forcing
 # end's uncorrected Newton step. Such a jump changes the step by less than 2 %, which the next step
 # corrects. A root search would lose the digits of small steps.
 _FARTHEST_JUMP = 20.0
-# Largest inward step of an end towards a downward jump of the density, as a fraction of their
-# distance. Such a jump comes from a logarithm of the right side, and the end must not pass it.
+# Largest inward step of an end towards a downward jump of the density, as a fraction of the
+# distance between end and jump. The jump comes from a logarithm of the right side, and the end must
+# not pass it.
 _STOP_BEFORE = 0.9
 
 
 def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
     """Values (2, Z) rearranged: each end gets the value of the end that it faces across a gap.
 
-    The left end of a zone faces the right end of the zone before.
+    The left end of a zone faces the right end of the previous zone.
     """
     left, right = of_ends
     return np.array([np.roll(right, 1), np.roll(left, -1)])
@@ -70,10 +72,10 @@ def gap_steps(
     """(outward steps (2, Z) at narrow gaps, mask of the ends at which these steps are valid).
 
     A gap is narrow if it is narrower than both zones next to it. gaps, moves, k, slopes: values
-    (2, Z) at both ends of all zones. k is the intensity K less its target, and slopes is the edge
-    slope A. Signs are such that a density of the right sign has A > 0, and that K > 0 drives the
-    end outward. tips: None if the density has the same sign on both sides of a gap, else the
-    heights J of the logarithms in the gaps (2, Z).
+    (2, Z) at both ends of all zones. k is the intensity K minus the prescribed one, and slopes is
+    the edge slope A. Signs are such that a density of the right sign has A > 0, and that K > 0
+    drives the end outward. tips: None if the density has the same sign on both sides of a gap, else
+    the heights J of the logarithms in the gaps (2, Z).
     """
     alike = tips is None
     of_both = np.array([widths, widths])
@@ -123,8 +125,8 @@ class StepAtJumps:
     def steps(self, k: Array, slopes: Array, plain: Array) -> Array:
         """Outward steps (2, Z): the Newton steps `plain`, corrected at ends close to a jump.
 
-        k: intensity K less its target, positive if it drives the end outward; slopes: edge slope A,
-        positive if it has the right sign, and 0 where it is not reliable.
+        k: intensity K minus the prescribed one, positive if it drives the end outward; slopes: edge
+        slope A, positive if it has the right sign, and 0 where it is not reliable.
         """
         zones, of_density = self.zones, self.forcing.density_jumps
         at, heights = self.forcing.logarithms if of_density else self.forcing.kinks
@@ -152,10 +154,10 @@ class StepAtJumps:
         inside: tuple[Array, Array],
         outside: tuple[Array, Array],
     ) -> Array:
-        """Outward steps of the ends `side`, each next to a jump: roots delta of the intensity K.
+        """Outward steps delta of the ends `side`, each next to a jump, after which K is as wanted.
 
         The equation for delta is at the head of this file. side: indices of these ends; inside,
-        outside: (distance, height) of the nearest jumps.
+        outside: (distance, height) of the nearest jump inside and outside the zone.
         """
         of_density = self.forcing.density_jumps
         width = (self.zones.b - self.zones.a)[side[1]]

@@ -20,10 +20,11 @@ from sie.states.state import State
 
 @record
 class Branch:
-    """Residual and growth rate of one step, which show the root that the search approaches.
+    """Residual of the ends and growth rate of their displacements, before one Newton step.
 
     residual: largest difference of an intensity from its prescribed value; growth: largest real
-    part of the eigenvalues that determine the stability of the ends.
+    part of the eigenvalues that determine the stability of the ends. They show whether the search
+    approaches a stable root.
     """
 
     residual: float
@@ -49,8 +50,8 @@ class NewtonStep:
     moves: mask of the free ends (2, Z); delta: their outward steps (2, Z); noise: the round-off of
     `delta`; change: step of the open condition's value; weak: mask of the zones (Z,) with an end
     next to which the density has the wrong sign, so that the step is only a guess; branch: None if
-    the prescribed intensities are zero; depth: that of the rims after the step, see `Zones`; None
-    without rims.
+    the prescribed intensities are zero; residual: intensities minus the prescribed ones (2, Z),
+    None if there is a `branch`; depth: `Zones.depth` after the step, None without narrow rims.
     """
 
     moves: Mask
@@ -133,8 +134,8 @@ def _with_step_models(
 ) -> NewtonStep:
     """The step, corrected near gaps and jumps, where K is not linear in the motion of an end.
 
-    residual: intensity K less its target (2, Z); a: edge slope A (2, Z). Both are those at the new
-    value of the open condition.
+    residual: intensity K minus the prescribed one (2, Z); a: edge slope A (2, Z). Both are those at
+    the new value of the open condition (the side condition whose value is an unknown).
     """
     zones, forcing, kernel = state.density.zones, state.equation.forcing, state.equation.kernel
     needs_half(zones.weight, "steps of ends near gaps and jumps")
@@ -170,11 +171,11 @@ def _safe_slopes(
     """(slopes (2, Z) for Newton's step, mask of ends whose edge slope A is 0 or of wrong sign).
 
     A is the edge slope of the density. At the solution A has the sign of the density. Far from the
-    solution A may have the other sign or vanish. There the change of the residual in the last step
-    gives a slope. If its sign is wrong, too, A is replaced by its natural size. On a thin
-    layer, A and its natural size can be a hundred times too large, and the steps a hundred times
-    too short. natural: largest coefficient of each zone beyond c_0 (Z,); residual: intensities less
-    the prescribed ones (2, Z).
+    solution A may have the opposite sign or vanish. There the change of the residual in the last
+    step gives a slope. If this slope has the wrong sign, too, A is replaced by its natural size.
+    For kernels of thin layers, A and its natural size can be a hundred times too large, and the
+    steps a hundred times too short. natural: largest coefficient of each zone except c_0 (Z,);
+    residual: intensities minus the prescribed ones (2, Z).
     """
     a, side = np.array(density.edge_slopes), wanted_signs(density.zones, options.signs)
     size = natural * density.zones.slope_scale / np.sqrt(2)
@@ -243,9 +244,10 @@ def bordered(
     """(damped steps of the ends, change of the unknown value) that satisfy the end condition.
 
     The unknown value is that of the open side condition. delta: steps (2, Z) at its present value;
-    slope: steps caused by a unit change of it; largest: largest steps inward and outward, relative
-    to the width of the zone. If undamped steps met the condition, an end with almost no edge slope
-    would determine the value alone. A zone that is about to vanish has such ends.
+    slope: change of the steps by a unit of this value; largest: largest steps inward and outward,
+    relative to the width of the zone. If undamped steps had to meet the end condition, an end with
+    almost no edge slope would determine the value alone. A zone that is about to vanish has such
+    ends.
     """
     miss, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient, width = np.array([by_left, by_right]), zones.b - zones.a
@@ -276,7 +278,7 @@ def damped(
     """Outward steps (2, Z), limited to fractions of the zone, gap and distance to the border.
 
     The border is that of the right side's domain. narrow: mask of the rims whose changes of width
-    are limited already.
+    are already limited. A rim is a zone with two different given values at its ends.
     """
     width = zones.b - zones.a
     gaps = np.array(modes.gaps(zones, equation.kernel))
@@ -284,8 +286,8 @@ def damped(
     outward = np.minimum(options.max_growth * width, room)
     inward = options.max_shrink * width
     if zones.have_values:
-        # The intensity K of an end is linear in the motion over the width of the plateau or gap
-        # beside the end. Without this limit, a plateau far narrower than its zones is lost.
+        # The intensity K of an end is linear only in motions shorter than the plateau or gap beside
+        # the end. Without this limit, a plateau far narrower than its zones is lost.
         inward = np.minimum(inward, options.max_growth * gaps)
     plain = np.clip(delta, -inward, outward)
     shift, widens = 0.5 * (delta[1] - delta[0]), 0.5 * delta.sum(axis=0)
@@ -293,7 +295,7 @@ def damped(
     free = far if narrow is None else far | narrow
     if not free.any():
         return plain
-    # A rim is the transition zone beside a plateau. It may move by many of its widths in one step.
+    # A rim may move by many times its own width in one step.
     limited = np.clip(widens, -options.max_shrink * width, 0.5 * outward.min(axis=0))
     widens = limited if narrow is None else np.where(narrow, widens, limited)
     shift = np.clip(shift, -room[0], room[1])
@@ -309,7 +311,7 @@ def _coupled_step(
 ) -> NewtonStep:
     """Newton step of all ends together, for prescribed intensities other than zero.
 
-    The right end of a mirrored pair stands for both. If the state was found by iteration, the
+    The right end of a mirrored pair stands for both ends. If the state was found by iteration, the
     growth rate is not computed (nan), since it costs more than the step.
     """
     motions = motions_of(state)

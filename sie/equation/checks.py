@@ -1,9 +1,9 @@
 """Checks of a user's functions at a few points, made once before an equation is solved.
 
 Values must be real and of the right shape. A primitive must rise by the integral of its function,
-and so must the potential of a regular part. On symmetric zones the right side must be odd. Three
-claims about a function are tested. A regular kernel may claim to depend on x - xi only, a weight to
-be a polynomial, and a column to have few modes.
+and so must the potential of a kernel's regular part. On symmetric zones the right side must be odd.
+Three declarations are also tested: that a regular kernel depends on x - xi only, that a weight is a
+polynomial of a given degree, and that a column has a given number of modes.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ from sie.equation.forcing import Forcing
 class CheckOptions:
     """Positions at which a user's functions are checked, and tolerances of these checks.
 
-    A claimed degree, number of modes or dependence on the lag must hold to half of all digits.
+    A declared degree, number of modes or dependence on x - xi must hold to half of all digits.
     """
 
     # Positions of the check points on each of at most three zones, from -1 to 1 on a zone.
@@ -78,7 +78,7 @@ def check_functions(equation: Equation, zones: Zones) -> None:
             _check_forcing(name, forcing, _places(zones), *how)
             _check_modes(name, forcing, zones)
             _seen(forcing).add(how)
-    # Kernels made by this package are not checked: their `grows` is false.
+    # Kernels with a regular part made by `sie` itself are not checked: their `grows` is false.
     if equation.kernel.grows and how not in _seen(equation.kernel):
         _check_kernel(equation.kernel, *_places(zones), *how[:2])
         _check_lag(equation.kernel, *_places(zones))
@@ -266,7 +266,7 @@ def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
 
 
 def _of_places(x: Array, length: float, values: Array) -> float:
-    """Change of `values`, which vary over `length`, caused by the round-off of the places x."""
+    """Change of `values` due to round-off of the places x; `length`: over which the values vary."""
     return float(8 * np.spacing(np.abs(x).max()) / max(length, 1e-300) * np.ptp(values))
 
 
@@ -346,8 +346,8 @@ def _check_rise(
             ends = primitive(places)
             rises = np.diff(ends) / (h[:, None] * np.diff(_UNEVEN))
             low, high, size = g.min(axis=1), g.max(axis=1), np.abs(g).max(initial=0.0)
-            # If the primitive has large values, its rise over a short interval may be only
-            # round-off.
+            # `slack` is the accepted discrepancy. If the primitive has large values, its rise over
+            # a short interval may be only round-off.
             slack = (
                 (high - low)
                 + np.ptp(rises, axis=1)

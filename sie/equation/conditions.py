@@ -54,9 +54,9 @@ class Rows(Protocol):
         """Integral of the density over each solved zone."""
 
     def levels(self) -> Linear:
-        """Level of each solved zone: the mean of the potential minus the primitive of g.
+        """Level of each solved zone: mean of (potential minus primitive of the right side).
 
-        The weight of the mean is 1 / sqrt(1 - t^2).
+        The weight of the mean is 1 / sqrt(1 - t^2), with t from -1 to 1 on the zone.
         """
 
     def level_steps(self) -> Linear:
@@ -104,7 +104,7 @@ class Condition:
     open : bool
         Whether the condition's value is unknown, and is determined by a condition on the ends.
     levels : bool
-        Whether it contains potentials.
+        Whether the condition contains potentials.
 
     Examples
     --------
@@ -170,7 +170,7 @@ def of_levels(condition: Condition, zones: Zones) -> Array:
 def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
     """Whether a condition contains potentials.
 
-    The condition declares it, or a test with trial potentials shows it.
+    Its attribute `levels` says so, or a test with trial potentials shows it.
     """
     if condition.levels or type(condition).rows in _SILENT:
         return condition.levels
@@ -183,8 +183,9 @@ def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
 class ByZone:
     """Coefficients of a condition with one equation for each zone or each pair of neighbours.
 
-    `by_zone` finds them from the response of its rows to levels and to densities c_0 / sqrt(1 -
-    t^2). Row i of the condition is
+    `by_zone` finds the coefficients. A level is the constant of the potential on a zone
+    (`Rows.levels`), and c_0 / sqrt(1 - t^2) is the first term of a zone's density. Row i of the
+    condition is
 
         levels_i level_i + first_i c_0i = value_i,
         or, if `differences`, levels_i (level_(i+1) - level_i) = value_i.
@@ -196,7 +197,7 @@ class ByZone:
 
     @property
     def of_levels(self) -> bool:
-        """Whether all rows of the condition contain potentials (`Rows.levels`), else none does."""
+        """True if all rows of the condition contain potentials (`Rows.levels`), False if none."""
         return bool(np.all(self.levels != 0.0))
 
 
@@ -204,8 +205,9 @@ class ByZone:
 class Trial(Rows):
     """Quantities of a trial density c_0 / sqrt(1 - t^2), which show the terms of a condition.
 
-    Its levels do not depend on the density. first, level: matrices (solved zones, unknowns) from
-    the unknowns to c_0 and to the levels.
+    The trial levels (constants of the potential) are given separately and do not depend on this
+    density. first, level: matrices (solved zones, unknowns) from the unknowns to c_0 and to the
+    levels.
     """
 
     zones: Zones
@@ -247,8 +249,9 @@ class Trial(Rows):
 def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
     """The `ByZone` of a condition with one row for each zone or pair of neighbours; else None.
 
-    The response of its rows to trial values that are equal on all zones, or rise evenly, gives the
-    coefficients. The response to random values shows whether the condition contains anything else.
+    The response of the condition's rows to trial densities and levels that are equal on all zones,
+    or rise evenly, gives the coefficients. The response to random densities and levels shows
+    whether the condition contains anything else.
     """
     solved, count = zones.solved, condition.count(zones)
     n = len(solved)
@@ -294,7 +297,7 @@ def summed(system: Rows, of_zones: Linear, value: complex) -> tuple[Array, Array
 class Total(Condition):
     """The side condition that the integral of the density over all zones has a given value.
 
-    Plateaus beside the zones count.
+    The integral includes the plateaus beside the zones.
 
     Parameters
     ----------
@@ -338,7 +341,7 @@ class Weighted(Condition):
     value : float or complex
         The prescribed integral.
     degree : int or None
-        The degree, if the weight is a polynomial: then few coefficients are needed.
+        The degree of the weight if it is a polynomial: then few coefficients are needed.
 
     Examples
     --------
@@ -482,10 +485,10 @@ class ZoneTotals(Condition):
 
 @dataclass(frozen=True)
 class EqualPotential(Condition):
-    """The condition that potential minus the right side's primitive is equal on all zones.
+    """The condition that the potential minus the right side's primitive is equal on all zones.
 
-    The constant is unknown, so that these are n - 1 conditions for n zones. The right side g must
-    have its primitive.
+    The common value is unknown, so that these are n - 1 conditions for n zones. The right side must
+    have a `Forcing.primitive`.
 
     Examples
     --------
@@ -514,9 +517,9 @@ class EqualPotential(Condition):
 
 @dataclass(frozen=True)
 class Level(Condition):
-    """The condition that potential minus the right side's primitive is `value` on every zone.
+    """The condition that the potential minus the right side's primitive is `value` on every zone.
 
-    The right side needs its primitive.
+    The right side must have a `Forcing.primitive`.
 
     Parameters
     ----------
@@ -525,8 +528,8 @@ class Level(Condition):
 
     Examples
     --------
-    A plate of half width 2 has the capacity 1, and any charge gives it the potential zero; twice as
-    wide, log(2) / pi.
+    A plate of half width 2 has the capacity 1, and any charge gives it the potential zero. On a
+    plate twice as wide, the charge 1 has the potential log(2) / pi.
 
     >>> import numpy as np, sie
     >>> level, still = sie.Level(np.log(2) / np.pi), sie.Forcing(np.zeros_like, np.zeros_like)
@@ -552,7 +555,7 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The condition that the amplitude of `columns[k]` is `value` + `per_total` * total density.
+    """The condition that `columns[k]` has the amplitude `value` + `per_total` * (density's total).
 
     Parameters
     ----------
@@ -565,7 +568,7 @@ class Amplitude(Condition):
 
     Examples
     --------
-    With half of a column x prescribed, a load pi / 4 makes a zone of half width one.
+    The column x has the prescribed amplitude -1/2. Then a load pi / 4 makes a zone of half width 1.
 
     >>> import numpy as np, sie
     >>> conditions = sie.Total(np.pi / 4), sie.Amplitude(0, -0.5)

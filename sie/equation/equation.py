@@ -104,8 +104,8 @@ class Equation(Kept):
     Raises
     ------
     ValueError
-        For a kernel without a pole, for columns with jumps, for potentials with a right side that
-        has logarithms, and for parts of a wrong type.
+        For a kernel without a pole, for columns with jumps, for parts of a wrong type, and for
+        conditions on potentials if the right side has logarithms.
 
     Examples
     --------
@@ -191,9 +191,9 @@ class Equation(Kept):
 
     @property
     def grows(self) -> bool:
-        """Whether modes are added until the kernel and the terms of unknown amplitude are resolved.
+        """Whether modes are added until the kernel and the columns of the equation are resolved.
 
-        This is so for a column of unknown number of modes, and for a user's regular kernel.
+        This is so for columns with an unknown number of modes, and for a user's regular kernel.
         """
         return any(column.resolution.modes is None for column in self.columns) or self.kernel.grows
 
@@ -208,8 +208,8 @@ class Equation(Kept):
     def check_count(self, zones: Zones) -> None:
         """Raise CountError if there are too few or too many side conditions for the zones.
 
-        Raise ValueError if the zones reach over a period or more, up to the image of the first
-        zone.
+        Raise ValueError if the zones together are as wide as a period or wider, so that the last
+        one reaches the image of the first.
         """
         images = [shift for shift in self.kernel.poles if shift > 0]
         if images and not zones.b[-1] - zones.a[0] < min(images):

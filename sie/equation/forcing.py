@@ -70,7 +70,7 @@ def _interval(name: str, values: Any) -> tuple[float, float]:
 class Jumps(Kept):
     """Points at which the right side g, or the wanted density, is not smooth.
 
-    For a kernel with a period all places repeat.
+    If the kernel has a period, all positions repeat with it.
 
     Parameters
     ----------
@@ -86,19 +86,20 @@ class Jumps(Kept):
         the kernel's potential, and `Forcing.value` must not contain it. The flag holds for
         `algebraic` too: then g contains the transform of the powers.
     spline : callable or None
-        A quadratic spline with the jumps of order 2, if it is known and is not all of g. With
-        hundreds of jumps its values keep digits that a sum over the jumps loses.
+        A quadratic spline with the jumps of order 2, if it is known and g has other terms, too.
+        With hundreds of jumps, the values of the spline keep digits that a sum over the jumps
+        loses.
     algebraic : AlgebraicPoints or None
         Points near which g, or the wanted density, is a power of the distance.
     singular_at : array_like
-        Singular points of g between the zones (k,). The number of nodes starts from the distances
-        to them, and narrow gaps are not treated as slits.
+        Singular points of g between the zones (k,). The first number of nodes on a zone follows
+        from its distance to these points. Narrow gaps are then not treated as slits.
 
     Raises
     ------
     ValueError
-        If positions, heights or orders are no numbers or differ in number, or an order is not 0, 1
-        or 2.
+        If positions, heights or orders are not numbers, if their numbers differ, or if an order is
+        not 0, 1 or 2.
 
     Examples
     --------
@@ -149,16 +150,18 @@ class Resolution:
     Parameters
     ----------
     modes : int or None
-        Number of modes of a column (1: a constant). None: it grows until the column is resolved.
+        Number of modes of a column (1: a constant). None: the number grows until the column is
+        resolved.
     length : float or None
-        Smallest length over which a smooth g varies. With many zones, differences of the primitive
-        are then integrated from g, which keeps digits that the primitive loses.
+        Smallest length over which a smooth g varies. If it is given and there are many zones,
+        differences of the primitive between zones are computed as integrals of g. They keep digits
+        that the primitive loses.
     rounding : float
-        Standard deviation of the noise of `Forcing.value`, in its unit. Coefficients need not fall
-        below it.
+        Standard deviation of the noise of `Forcing.value`, in the unit of g. Coefficients of g need
+        not fall below this noise.
     rounded_place : callable or None
-        Function from x to the place at which `Forcing.value` really evaluates, after its own
-        round-off; None: x itself. Narrow zones far from the origin need it.
+        Function from x to the place at which `Forcing.value` really evaluates g, after its own
+        round-off; None: x itself. Narrow zones far from the origin need this function.
     exact_places : bool
         Whether `Forcing.value` uses every digit of x. Then ends of zones keep more digits than a
         floating-point position has.
@@ -210,8 +213,8 @@ class Forcing(Kept):
     resolution : Resolution
         Number of modes, noise and rounding of the values, where known.
     within : (float, float)
-        The open interval on which g is defined. It is never called outside, and free ends stay
-        inside.
+        The open interval on which g is defined. g is never called outside it, and free ends stay
+        inside it.
 
     Raises
     ------
@@ -302,8 +305,8 @@ class Forcing(Kept):
     def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
         """The jumps inside zones, and the poles whose sums approximate powers |x - s|^p.
 
-        If ends have prescribed values, a density constant beside each zone (a plateau) is added. It
-        causes logarithms in the right side at the ends.
+        If ends have prescribed values, the result also contains the plateaus beside the zones
+        (intervals of constant density). They cause logarithms in the right side at the ends.
         """
         jumps = self.jumps
         if len(jumps) or jumps.algebraic is not None:
