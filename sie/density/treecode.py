@@ -109,6 +109,5 @@ class Treecode:
         return np.asarray(plane.poles(x, np.zeros(len(x)), (what,))[0].real)
 
     def _near(self, x: Array, source: Index, shift: Array, potential: bool) -> Array:
-        """At each point x, the closed-form field of the zone `source`, which is moved by `shift`.
-        """
+        """Closed-form field, at each point x, of the zone `source`, which is moved by `shift`."""
         return from_zones(self.density, x, source, shift, potential)

@@ -1,4 +1,8 @@
-"""The coarse problem of the preconditioner: flat punches that interact by their loads alone."""
+"""The coarse problem of the preconditioner: zones that interact through their totals alone.
+
+The density on each zone is c_0 / sqrt(1 - t^2), like the pressure under a flat punch. Its total is
+the load of the zone.
+"""
 
 from dataclasses import dataclass
 
@@ -16,13 +20,14 @@ class CoarseOptions:
 
     # Relative accuracy of the hierarchical inverse of the coarse matrix, which has one unknown for
     # each zone. The coarse problem itself is less accurate, since it neglects how the field of one
-    # zone varies over another zone. From 1e-4 to 1e-2 the number of iterations is the same.
+    # zone varies over another zone. With tolerances from 1e-4 to 1e-2 the number of iterations is
+    # the same.
     tolerance: float = 1e-2
     # The inverse of the coarse matrix is reused for moved zones if the ends' mean motion is at most
     # this fraction of the zone width, and no end has moved by more than one zone width. The
-    # potential that a zone's own load causes on the zone may change by this fraction, too. This
-    # potential contains the logarithm of the zone's width. Without this limit, the inverse would be
-    # reused for a rim beside a plateau that becomes a thousand times narrower in one step.
+    # potential that a zone's own load causes on the zone may change by at most this fraction, too.
+    # This potential contains the logarithm of the zone's width. Without this limit, the inverse
+    # would be reused for a zone beside a plateau that becomes a thousand times narrower in a step.
     kept_move: float = 0.1
 
 
@@ -33,8 +38,8 @@ class CoarseOperator:
     """Matrix from the coefficients c_0 of all zones to their mean potentials, and its inverse.
 
     The density of a zone is c_0 / sqrt(1 - t^2) in this coarse problem of the preconditioner. A
-    constant times the total load is subtracted from the potentials, which makes the matrix
-    definite.
+    constant (`lowered`) times the total load is subtracted from the potentials, which makes the
+    matrix definite.
     """
 
     def __init__(self, zones: Zones, system: IterativeSystem) -> None:
@@ -64,9 +69,9 @@ class CoarseOperator:
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
         x, xi, w = zones.middle[i], zones.middle[j], zones.half[j]
-        # A punch of half width w has the density 1 / sqrt(w^2 - x^2). With D = `kernel.datum`, its
-        # potential is log((d + sqrt(d^2 - w^2)) / 2D) at the distance d from its middle, and
-        # log(w / 2D) on the punch. One logarithm of a product serves all poles of the kernel.
+        # The density 1 / sqrt(w^2 - x^2) on a zone of half width w has, with D = `kernel.datum`,
+        # the potential log((d + sqrt(d^2 - w^2)) / 2D) at the distance d from the zone's middle,
+        # and log(w / 2D) on the zone. One logarithm of a product serves all poles of the kernel.
         product, away = np.ones(np.broadcast(i, j).shape), x - xi
         for shift in kernel.poles:
             d = np.maximum(np.abs(away - shift), w)

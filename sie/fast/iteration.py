@@ -19,8 +19,9 @@ from sie.trees.krylov import gmres
 class IterationOptions:
     """Options of the preconditioned GMRES iteration."""
 
-    # Factor by which one run of GMRES reduces the residual. Within a run, fast sums with an error
-    # of 1e-7 (rough sums) give the fields. So the result of a run only corrects the solution.
+    # Factor by which one run of GMRES reduces the residual. Within a run, fields are computed by
+    # fast sums with an error of 1e-7 (rough sums). So each run only adds a correction to the
+    # solution, and the residual is then computed again.
     correction: float = 1e-6
     # The unknowns of each zone are divided by the largest unknown of the zone. This option is the
     # lower bound of the divisor, relative to the largest unknown of all zones.
@@ -33,8 +34,9 @@ OPTIONS = IterationOptions()
 class Iterative:
     """Iterative solver of the equations of an `IterativeSystem`, for any right side.
 
-    value: the value of the open condition, if there is one. error: the error of each zone's
-    unknowns (Z,), estimated by the last preconditioned residual.
+    value: the value of the open condition, if there is one (a side condition whose value is an
+    unknown). error: the error of each zone's unknowns (Z,), estimated by the last preconditioned
+    residual.
 
     Each unknown is scaled by the largest unknown of its zone, so that lightly loaded zones are as
     accurate as others.
@@ -89,8 +91,9 @@ class Iterative:
     ) -> Array:
         """Solve for the unknowns of the solved zones, which are half of all zones if symmetric.
 
-        near: a first guess; tolerance: replaces the tolerance of the solver; taken: a linear map of
-        the unknowns that is subtracted from the rows.
+        right: the right sides of all rows; near: a first guess of the unknowns; tolerance: replaces
+        the tolerance of the solver; taken: a linear map of the unknowns that is subtracted from the
+        rows.
         """
 
         def rows(folded: Array, rough: bool = False) -> Array:
@@ -123,8 +126,8 @@ class Iterative:
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             size, before = before, float(norm(left_over))
-            # If the residual has decreased much less than GMRES has estimated, what remains is
-            # round-off.
+            # If the residual has decreased much less than GMRES has estimated, the rest of the
+            # residual is round-off.
             stagnant = not before <= math.sqrt(OPTIONS.correction) * size
             if found.steps == 0 or before <= 4 * wanted or stagnant:
                 return x

@@ -13,11 +13,12 @@ class TwoLevelPreconditioner:
     It neglects how the field of one zone varies over another zone.
 
     The coefficients c_k with k > 0 follow from the rows of the equation. The coefficients c_0 and
-    the amplitudes of the columns follow from the side conditions. On every zone the level (the
-    constant part of the potential) is G c_0 minus the means of the columns' primitives, with G = C
-    + constant and C the coarse operator. So c_0 is C^-1 (level + unknown constant + ...). The few
-    remaining unknowns follow from the conditions that do not belong to single zones. If every zone
-    has a fixed end with a prescribed intensity K, c_0 follows from K.
+    the amplitudes of the columns follow from the side conditions. The levels of the zones (the
+    constant parts of the potential) are C c_0 plus an unknown constant, minus the means of the
+    columns' primitives. Here C is the matrix of `CoarseOperator`. Its inverse gives c_0 from the
+    levels, up to the few unknowns: the constant and the amplitudes. They follow from the conditions
+    that do not belong to single zones. If every zone has a fixed end with a prescribed intensity K,
+    c_0 follows from K.
     """
 
     def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None) -> None:
@@ -77,9 +78,9 @@ class TwoLevelPreconditioner:
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
-        """Set the first density coefficient c_0 of each zone for given values of zonal conditions.
-        These values, `wanted`, are those of the side condition with one row for each zone, or of
-        the levels, the constant parts of the potential on the zones.
+        """Set, in `folded`, each zone's coefficient c_0 of the density so that it gives `wanted`.
+        `wanted` has the values of the side condition with one row for each zone, or the levels of
+        the zones (the constant parts of the potential), or the intensities at fixed ends.
         """
         system = self.system
         if self.levels:

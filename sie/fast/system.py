@@ -2,10 +2,10 @@
 
 The rows are those of `sie.dense.system`: each zone's own part is -c_k, with c_k a Chebyshev
 coefficient of its density, and the rest couples the zones. The preconditioner inverts the own part.
-For the loads of the zones it solves a coarse problem: flat punches that interact through their
-loads alone, with the same side conditions. The iterations account for how zones bend each other,
-which decreases as the square of the distance. So the number of iterations does not grow with the
-number of zones.
+For the totals of the zones it solves a coarse problem: zones that interact through their totals
+alone, with the same side conditions. The iterations account for the variation of a zone's field
+over other zones, which decreases as the square of the distance. So the number of iterations does
+not grow with the number of zones.
 """
 
 import math
@@ -32,7 +32,7 @@ from sie.trees.far import reaches
 
 @dataclass(frozen=True)
 class QuadratureOptions:
-    """Options of a system whose rows are applied by sums, without a matrix."""
+    """Options of a system of equations whose rows are applied by sums, without a matrix."""
 
     # Largest total number of rows of the side conditions that act on several zones. A small dense
     # system is solved for these rows.
@@ -150,7 +150,7 @@ class IterativeSystem(System):
     def _with_own(self, y: Array, mean: Array, depth: Array) -> Array:
         """The given `mean` of the potential on each zone, plus the potential of its own charge.
         The charge of a zone is the integral of the density over the zone. The means of the
-        equation's columns are subtracted. depth: see `Zones`.
+        primitives of the equation's columns are subtracted. depth: see `Zones`.
         """
         solved = self.zones.solved
         w = self.zones.half[solved]
@@ -173,7 +173,7 @@ class IterativeSystem(System):
 
     @cached_property
     def springs(self) -> Array:
-        """Ratio of the factors of c_0 and of the level in the side condition of each zone.
+        """The factor of c_0 divided by the factor of the level, in each zone's side condition.
         c_0 is the first coefficient of the zone's density, and the level is the constant part of
         the potential on the zone. The result is 0 if the condition contains no level, or
         differences of levels.
@@ -206,14 +206,15 @@ class IterativeSystem(System):
 
     @property
     def _known_rest(self) -> Array:
-        # A rim is a zone between two different end values of the density. The known change from one
-        # value to the other lies at the middle of the rim, however wide the rim is.
+        # A rim is a zone with two different given values of the density at its ends. The known
+        # change from one value to the other lies at the middle of the rim, however wide it is. So
+        # the true width (`Zones.depth`) is not used here.
         none = np.zeros(len(self.zones))
         return self._with_own(self.layout.flat(self.known), self.known_field[2], none)
 
     @property
     def integrated(self) -> bool:
-        """Whether quadrature of the right side g gives differences of the primitive of g."""
+        """Whether integrals of the right side give the differences of its primitive."""
         forcing = self.equation.forcing
         return (
             forcing.resolution.length is not None
@@ -290,10 +291,10 @@ class IterativeSystem(System):
         """Estimated round-off of the level of each zone, the constant part of the potential on it.
 
         The level is the mean of the potential minus the primitive of the right side. If a condition
-        contains the level of each zone, the round-off is that of the sum of all terms of a level.
-        The terms are at most all totals times the logarithm of the farthest distance, plus the
-        largest own term. Otherwise only differences between the levels of neighbours matter, and
-        the round-off is that of the terms that differ.
+        contains the level of each zone, the round-off is that of all terms of a level. These terms
+        are at most the sum of all totals times the logarithm of the largest distance, plus the
+        largest term of a zone's own total. Otherwise only differences between the levels of
+        neighbours matter, and the round-off is that of the terms that differ.
         """
         zones, datum = self.zones, self.equation.kernel.datum
         own = np.abs(zones.half * y[self.layout.offset])

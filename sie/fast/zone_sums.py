@@ -1,9 +1,9 @@
-"""Sums over all zones in linear time, by a tree whose nodes are equivalent zones.
+"""Sums over all zones in linear time, by a tree whose nodes are groups of zones.
 
-Outside a zone its field depends on the moments M_l = (1/pi) int phi T_l dxi of its density phi
-alone. With the half width w and the coefficients c_l of the density, M_0 = w c_0 and
-M_l = w c_l / 2. A node of the tree is a group of zones, treated as one zone that covers them all.
-Its field follows in the same way from its moments (`sie.basis.interval`).
+Outside a zone, the field of the zone depends on the moments M_l = (1/pi) int phi T_l dxi of its
+density phi alone. With the half width w and the coefficients c_l of the density, M_0 = w c_0 and
+M_l = w c_l / 2. A node of the tree is treated as one zone that covers all zones of its group. The
+field of the node follows in the same way from the node's moments (`sie.basis.interval`).
 
 Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s). The
 same matrix A takes the Chebyshev series of the far field from a parent to its children. The
@@ -35,8 +35,9 @@ from sie.trees.tree import TERMS, Pairs, Tree, apart
 class NearSums:
     """Fields of zones on neighbouring zones, in closed form.
 
-    They are the transform at the inner Lobatto nodes of each solved zone, and the potential at its
-    middle. A large sum of transforms is a compiled loop, others are a product with a matrix.
+    The fields are the transform at the inner Lobatto nodes of each solved zone, and the potential
+    at the zone's middle. A large sum of transforms is computed by a compiled loop, a small sum by a
+    product with a matrix.
     """
 
     def __init__(self, zones: Zones, kernel: Kernel, layout: Layout, far: FarSum) -> None:
@@ -194,9 +195,7 @@ class PanelSums:
         )
 
     def moments(self, y: Array) -> Array:
-        """Moments, on the panels, of the density with unknowns y.
-        Panels are equal parts of the line.
-        """
+        """Moments of the density with the unknowns y on the panels, which are parts of the line."""
         weights = [
             (chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups
         ]
@@ -243,9 +242,8 @@ class ZoneSums:
 
     @property
     def size(self) -> int:
-        """Number of terms of one evaluation of the field of all zones.
-        Counted are terms of the fields of neighbouring zones, and terms of series for zones far
-        apart.
+        """Number of terms in one evaluation of the field of all zones.
+        These are terms of the fields of neighbouring zones, and of series for zones far apart.
         """
         return self.near.size + len(self.far.far) * TERMS
 
@@ -265,7 +263,7 @@ class ZoneSums:
             partial(self.far, leaves, rough),
             partial(self._of_near, y, rough),
         ]
-        # Much of the far sum runs in one thread. So another one computes the near sum.
+        # Much of the far sum runs in one thread. So another thread computes the near sum.
         is_long = self.far.terms > 2 * compiled.TERMS_PER_THREAD and compiled.threads() > 1
         far, near = compiled.together(sums) if is_long else [one() for one in sums]
         (series, middle, mean), (at_nodes, of_near) = far, near

@@ -1,8 +1,8 @@
-"""The closed-form density of jumps on graded zones, and its fields at places of the zones.
+"""The closed-form density due to jumps, on zones with graded coordinates, and its fields.
 
 Jumps and powers of the right side, and jumps of the density, have densities in closed form (see
-`sie.jumps`). These densities are functions of x and vanish at the ends of their zone. What remains
-of the right side is smooth on each zone. Fields on other zones are computed from the widths of gaps
+`sie.jumps`). These densities are functions of x and vanish at the ends of their zone. The rest of
+the right side is smooth on each zone. Fields on other zones are computed from the widths of gaps
 and the distances of points from the ends of zones.
 """
 
@@ -53,9 +53,9 @@ class ClosedParts(Kept):
         return self.jumps.smooth_part(np.full(len(left), zone, dtype=np.intp), left)
 
     def transforms(self, zone: int, places: Places, x: Array, seen: list[Seen]) -> Array:
-        """Transform of the jumps' densities at points of a zone, without some closed forms.
-        The closed forms of the jumps in the zone itself are left out. The kernel's regular part is
-        included for all jumps.
+        """Transform, at points of a zone, of the closed-form densities of jumps in other zones.
+        Images of all zones count. The jumps in the zone itself count only with the kernel's regular
+        part.
 
         seen: the zones with jumps and their images, see `Seen`.
         """
@@ -85,8 +85,8 @@ class ClosedParts(Kept):
                 x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(size)
                 values = np.asarray(weight(x), dtype=float)
                 means = chebyshev.t_means(np.broadcast_to(values, x.shape))
-                # The integral sums products of `means` and the density's coefficients, which decay,
-                # too. So `means` need not decay to round-off.
+                # The integral is a sum of products of `means` and the density's coefficients. Both
+                # decay, so `means` need not decay to round-off.
                 if (
                     np.abs(means[-8:]).max() <= HALF_DIGITS**1.5 * np.abs(means).max()
                     or size >= MODES.max_nodes
@@ -102,9 +102,9 @@ class ClosedParts(Kept):
 class Seen:
     """Position of a zone with jumps, moved by `shift`, relative to the points of another zone.
 
-    gap: distance between the two zones; ahead: whether the points are to the right of the zone with
-    jumps; is_own: whether the points are on the zone with jumps itself, without a shift. Then `gap`
-    and `ahead` are meaningless.
+    zone: index of the zone with jumps; gap: distance between the two zones; ahead: whether the
+    points are to the right of the zone with jumps; is_own: whether the points are on the zone with
+    jumps itself, without a shift. Then `gap` and `ahead` are meaningless.
     """
 
     zone: int

@@ -6,9 +6,9 @@ coordinate s of `sie.graded.grading`. The transform of one zone at a place x of 
     (1/pi) int psi(s') ds' / (x - x') = (Q(s) + sum_k (F_k / n) R(s, s_k)) / (dx/ds),
     R(s, s') = (dx/ds) / (x - x') - 1 / (s - s'),
 
-with the transform Q of psi in s, which is known in closed form, and Gauss's rule for the smooth R:
-s_k are its n nodes on the zone, and F_k the values of psi sqrt(1 - s^2) there. Far from a zone
-Gauss's rule is enough for 1 / (x - x') itself. Potentials are split in the same way.
+Q is the transform of psi in s, which is known in closed form. The smooth R is integrated by Gauss's
+rule: s_k are its n nodes on the zone, and F_k the values of psi sqrt(1 - s^2) at the nodes. Far
+from a zone Gauss's rule is enough for 1 / (x - x') itself. Potentials are split in the same way.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class GradedDensity(DensityBase):
     unknowns : ndarray
         The charges F_k at the nodes, then the amplitudes of the equation's columns.
     bounded_ends : bool
-        Whether round-off traces of 1/sqrt(d) at free ends are removed; see
+        Whether terms 1/sqrt(d) that round-off causes at free ends are removed; see
         `Density.with_bounded_ends`.
     forced : bool
         Whether the density includes the closed-form density of the right side's jumps. The response
@@ -89,7 +89,7 @@ class GradedDensity(DensityBase):
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
-        """(mask of the points x in slits, integral of the unknown there): False and zero.
+        """(mask of the points x in slits, integral of the slit's unknown): False and zero.
 
         A slit is a narrow gap that is treated as a cut inside a wider zone. This density has none.
         """
@@ -148,7 +148,7 @@ class GradedDensity(DensityBase):
     def powers(self) -> Array:
         """1 or 0 (2, Z): whether psi is divided by the left and right factor of `Grading.scale`.
 
-        psi is the density times dx/ds. See `GradedSystem.powers_for`.
+        psi is the density times dx/ds. `GradedSystem.powers_for` chooses these powers.
         """
         return self.system.powers_for(self.unknowns)
 
@@ -275,7 +275,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def _end_scales(self) -> Array:
-        """`Grading.scale`, by which psi is divided, at the left and right ends of zones (2, Z)."""
+        """`Grading.scale`, the divisor of psi, at the left and right ends of the zones (2, Z)."""
         pairs = zip(self.system.gradings, self.powers.T, strict=True)
         return np.array([grading.scale(grading.ends, powers) for grading, powers in pairs]).T
 
@@ -311,7 +311,7 @@ class GradedDensity(DensityBase):
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
-        """Largest density on each zone, and its largest rates as the left and the right end move.
+        """Largest density on each zone, and its largest changes by motions of the zone's two ends.
 
         See `Density.sensitivity`. All are absolute values at the nodes, times sqrt(1 - t^2), where
         t runs from -1 to 1 on the zone.
@@ -322,10 +322,10 @@ class GradedDensity(DensityBase):
         return out[0], out[1], out[2]
 
     def _changes_on(self, zone: int) -> list[Array]:
-        """[density, its rate as the left end moves, as the right end moves] at the nodes of a zone.
+        """[density, its change by a motion of the left end, of the right end] at a zone's nodes.
 
-        The slope of the density is a central difference in s: beside a narrow gap, steps in s are
-        short steps in x.
+        They are absolute values times sqrt(1 - t^2). The slope of the density is a central
+        difference in s: beside a narrow gap, steps in s are short steps in x.
         """
         grading, half, n = (
             self.system.gradings[zone],
@@ -349,7 +349,7 @@ class GradedDensity(DensityBase):
 
     # The methods below give the transform and the potential.
     def _smooth(self, zone: int, places: Places) -> NDArray[Any]:
-        """A zone's transform by the smooth part R of the kernel, times dx/ds (file's head)."""
+        """Part of a zone's transform, times dx/ds, due to the smooth R (head of this file)."""
         matrix = self.system.gradings[zone].smooth_kernel(places, self.nodes.sources[zone])
         return np.asarray(matrix @ self.charges[self.nodes.own(zone)])
 
@@ -375,7 +375,7 @@ class GradedDensity(DensityBase):
         return out if self.closed is None else out + self.closed.potential(x)
 
     def _poles_at(self, x: Array, what: What) -> Array:
-        """Part of the field at real points due to the poles of the kernel."""
+        """Part of the density's field at real points that the poles of the kernel cause."""
         out = np.zeros(x.shape)
         for shift in self.kernel.poles:
             for zone in range(len(self.zones)):
@@ -383,7 +383,7 @@ class GradedDensity(DensityBase):
         return out
 
     def _regular_at(self, x: Array, regular: Regular | None) -> Array | float:
-        """Part of the field at real points due to the kernel's regular part."""
+        """Part of the density's field at real points that the kernel's regular part causes."""
         if regular is None:
             return 0.0
         potential = regular is not self.kernel.regular
@@ -405,10 +405,10 @@ class GradedDensity(DensityBase):
         return out
 
     def _near(self, zone: int, from_a: Any, from_b: Any) -> Mask:
-        """Whether places are so close to a zone that Gauss's rule for 1 / (x - x') is not exact."""
+        """Mask of places so close to a zone that Gauss's rule for 1 / (x - x') is not accurate."""
         grading, n = self.system.gradings[zone], int(self.nodes.sizes[zone])
-        # Gauss's rule has the error rho^(2 n) with rho = |s - sqrt(s^2 - 1)|, s the graded
-        # coordinate.
+        # Gauss's rule with n nodes has the error rho^(2 n), where rho is |s - sqrt(s^2 - 1)| and s
+        # the graded coordinate of the place.
         excess = excess_of(0.5 * DIGITS / n)
         real = np.real(from_a) > -grading.before, np.real(from_b) > -grading.after
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -430,7 +430,7 @@ class GradedDensity(DensityBase):
         )
 
     def _split(self, zone: int, places: Places, what: What) -> NDArray[Any]:
-        """Field of one zone on it or close to it; the kernel's pole is integrated exactly."""
+        """Field of one zone at places on or near it; the kernel's pole is integrated exactly."""
         row, c = np.full(places.u.shape, zone, dtype=np.intp), self.coefficients
         if np.iscomplexobj(places.u):
             # A place on the zone counts as a place on the zone's upper side, whether its imaginary

@@ -5,8 +5,9 @@ d' from the zone's ends. Its graded coordinate s runs from -1 to 1 and is linear
 
     u = log((d + g) / (d' + g')),          du/ds = B = log((1 + W/g) (1 + W/g')) / 2.
 
-So equal steps of s are equal ratios of the distance from the zone beyond a narrow gap. A density
-next to a gap of 1e-12 of the zone needs some 80 Chebyshev polynomials of s. In x it would need 1e7.
+Near a narrow gap, equal steps of s are equal ratios of the distance from the zone beyond the gap. A
+density next to a gap of 1e-12 of the zone needs some 80 Chebyshev polynomials of s. In x it would
+need 1e7.
 
 The map s -> x is a Moebius transform of exp(B s), and x - x' follows from s - s':
 
@@ -138,9 +139,10 @@ class Grading(Kept):
         return np.asarray(-self.stretch * np.tanh(0.5 * self.ends.u))
 
     def scale(self, places: Places, powers: Array) -> Numbers:
-        """The product (l/L)^m (r/L)^n of the distances l, r from the left and right adjacent zones.
+        """(l/L)^m (r/L)^n with the distances l and r of places from the left and right neighbour.
 
-        powers: the exponents m and n, each 0 or 1. L is the distance between the adjacent zones.
+        powers: the exponents m and n, each 0 or 1. L is the distance between the two neighbouring
+        zones.
         """
         left = (places.from_a + self.before) / self.reach if powers[0] else 1.0
         right = (places.from_b + self.after) / self.reach if powers[1] else 1.0
@@ -192,8 +194,8 @@ class Grading(Kept):
         )
 
 
-# Below this size of y, coth(y) - 1/y and its derivative are summed as series. The first neglected
-# terms are then below round-off.
+# Below this size of y, coth(y) - 1/y and the derivative of this function are summed as series. The
+# first neglected terms are then below round-off.
 _SMALL = 0.1
 
 

@@ -34,10 +34,11 @@ from sie.states.solve import SingularSystem, TooLarge, not_finite, regular_facto
 
 
 def is_graded(equation: Equation, zones: Zones) -> bool:
-    """Whether zones get graded coordinates: zones with a fixed end next to a narrow gap do.
+    """Whether zones get graded coordinates, because a fixed end lies next to a narrow gap.
 
-    Ends with a prescribed intensity that is not zero must not move, and there must not be too many
-    unknowns. `TooLarge` is raised if there are too many and plain coordinates do not suffice.
+    Moving ends must have the prescribed intensity zero, no end may have a given value of the
+    density, and there must not be too many unknowns. `TooLarge` is raised if there are too many
+    unknowns and plain coordinates do not suffice.
     """
     fixed_left, fixed_right = ~zones.moves
     if zones.follow_ends or zones.have_values or not (fixed_left.any() or fixed_right.any()):
@@ -132,7 +133,7 @@ class GradedState(Answered):
 
     # The methods below give solutions for other values of the side conditions.
     def response(self, values: Array, tolerance: float = 0.0) -> GradedDensity:
-        """The density caused by changes `values` of the side conditions, for a zero right side."""
+        """Change of the density if the values of the side conditions change by `values`."""
         return replace(
             self.density, unknowns=self._answer(values), bounded_ends=False, forced=False
         )
@@ -151,7 +152,7 @@ class GradedState(Answered):
 
     @property
     def levels(self) -> Array:
-        """Level of each solved zone: the mean of potential minus primitive of the right side."""
+        """Level of each solved zone: mean of (potential minus primitive of the right side)."""
         rows, constants = self.system.levels()
         return np.asarray(rows @ self.density.unknowns + constants)
 
@@ -165,7 +166,7 @@ class GradedState(Answered):
     # sqrt(1 - s^2) dx/ds, with the density phi and the graded coordinate s.
     @cached_property
     def tails(self) -> Array:
-        """For each zone (Z,), the largest of the last four coefficients, divided by the largest.
+        """For each zone (Z,), the largest of its last four coefficients over that of all of them.
         This ratio shows whether there are enough modes.
         """
         c, out = np.abs(self.density.divided), np.zeros(len(self.density.zones))
@@ -212,8 +213,8 @@ class GradedState(Answered):
         """Size of the residual of each row of the equation, then of each side condition.
 
         The charges are interpolated to twice as many nodes. The residual of a row is the largest
-        one at the row's own node and at the new nodes on both sides of it. Close to a gap the terms
-        of a row may be tiny, and so is its residual.
+        one at the row's own node and at the new nodes on both sides of this node. Close to a gap
+        the terms of a row may be tiny, and so is the row's residual.
         """
         system, zones = self.system, self.density.zones
         finer = GradedSystem(self.equation, zones, 2 * system.sizes, self.density.jumps)
@@ -301,8 +302,8 @@ class GradedState(Answered):
 
     @cached_property
     def zone_errors(self) -> Array:
-        """Estimated error of density and charges on each zone (Z,), relative to their sizes there.
-        It is the `density_error` of the zone alone.
+        """Estimated relative error of density and charges on each zone (Z,).
+        It is computed as `density_error`, but from the errors and sizes on this zone alone.
         """
         errors, sizes, charges = self._errors
         of_charges = zip(charges, self.charge_sizes, strict=True)
@@ -311,8 +312,8 @@ class GradedState(Answered):
 
     @cached_property
     def density_rounding(self) -> Array:
-        """Error of the density times sqrt(1 - t^2) on each zone (Z,), due to the linear system.
-        The rows of the system have errors such as round-off.
+        """Error of the density times sqrt(1 - t^2) on each zone (Z,).
+        It is caused by errors of the rows of the linear system, such as round-off.
         """
         return self._errors[0]
 
@@ -402,8 +403,8 @@ def solve_graded(equation: Equation, zones: Zones, tolerance: float, sizes: Size
         if not more.any():
             return state
         if wanted.sum() > OPTIONS.max_unknowns:
-            # There may be `max_unknowns` unknowns. Those not yet used are given to the zones that
-            # need more, in proportion to the needs.
+            # At most `max_unknowns` unknowns are allowed. Those not yet used are given to the zones
+            # that need more, in proportion to their needs.
             spare = (OPTIONS.max_unknowns - count.sum()) / (wanted - count).sum()
             if spare * (wanted - count).max() < 2.0:
                 return state

@@ -50,15 +50,15 @@ class GradedOptions:
     # Up to this number of unknowns, the coordinate t of a zone is as fast as a graded one. Levels
     # (constant parts of the potential on zones) have more digits with the coordinate t.
     min_plain_unknowns: int = 900
-    # A gap wider than this multiple of its zone's width is replaced by this multiple, so that the
-    # coordinate is defined next to infinite gaps. Next to such gaps the
-    # coordinate is nearly linear.
+    # In the graded coordinate of a zone, a gap wider than this multiple of the zone's width counts
+    # as this multiple. So the coordinate is defined next to infinite gaps, too. Next to such gaps
+    # it is nearly linear.
     max_grading_gap: float = 1.0
     # Number of modes of a zone that resolve the right side, in addition to the modes that resolve
     # fields across the gaps.
     extra_modes: int = 8
     # If a zone has too few modes, the rate of decay of its coefficients gives a larger number for
-    # the next solution. This number is multiplied by this margin.
+    # the next solution. `growth` is a safety factor of this number.
     growth: float = 1.1
     # Largest number of modes of one zone, and of all zones together. A matrix with `max_unknowns`
     # columns takes some seconds.
@@ -82,7 +82,7 @@ def gradings_of(zones: Zones, kernel: Kernel) -> list[Grading]:
 
 
 def resolving_sizes(gradings: list[Grading]) -> Index:
-    """Number of modes of each zone that resolve functions with singularities off the real axis.
+    """Number of modes of each zone that resolve functions with singularities at complex places.
     The singularities are at the distance pi / `stretch` from the real axis of the graded coordinate
     s.
     """
@@ -93,8 +93,9 @@ def resolving_sizes(gradings: list[Grading]) -> Index:
 def first_sizes(gradings: list[Grading]) -> Index:
     """Number of modes with which each zone is solved first.
 
-    Fields across a gap are singular at the distance pi/B from the axis of s, with B = `stretch`. So
-    Gauss's rule with n nodes integrates them with an error of exp(-2 n asinh(pi/B)).
+    Fields of one zone on the next one, across a gap, are singular at the distance pi/B from the
+    real axis of the graded coordinate s, with B = `stretch`. So Gauss's rule with n nodes
+    integrates them with an error of exp(-2 n asinh(pi/B)).
     """
     stretch = np.array([one.stretch for one in gradings])
     return even_sizes(-np.log(EPS) / (2 * np.arcsinh(np.pi / stretch)) + OPTIONS.extra_modes)
@@ -128,8 +129,8 @@ def difference(x: Array, y: Array, shift: float = 0.0) -> Array:
 
 
 class GradedSystem(Rows, Kept):
-    """Matrix rows, in graded coordinates, of the equation and of integrals of the density.
-    The latter rows are the quantities of side conditions (see `Rows`).
+    """Matrix rows, in graded coordinates, of the equation and of quantities in side conditions.
+    `Rows` lists these quantities.
 
     sizes: number of unknowns of each zone; jumps: jumps of the right side in the zones, whose
     densities are not among the unknowns. Matrices have a column for each node of each zone, then
@@ -180,7 +181,7 @@ class GradedSystem(Rows, Kept):
         return np.asarray(start + away)
 
     def _rounded(self, zone: int, places: Places) -> tuple[Array, Array]:
-        """For points of a zone, x of the nearer end and the signed distance from this end."""
+        """For points of a zone: position of the nearer end, and signed distance from this end."""
         zones, left = self.zones, places.from_a <= places.from_b
         start = np.where(left, zones.a[zone], zones.b[zone])
         rest = np.where(left, zones.rest[0, zone], zones.rest[1, zone])
@@ -188,9 +189,10 @@ class GradedSystem(Rows, Kept):
 
     # The methods below give the fields that all sources (quadrature nodes) cause on one zone.
     def gaps_from(self, zone: int, shift: float) -> tuple[Array, Array]:
-        """Distances of a zone from all zones moved by `shift`, to its left and to its right (Z,).
+        """(distances (Z,) of a zone from moved zones on its left, from moved zones on its right).
 
-        A distance is negative if the other zone is on the other side, or is the zone itself.
+        All zones are moved by `shift`. A distance is negative if the moved zone lies on the
+        opposite side, or is the zone itself.
         """
         zones = self.zones
         ahead = difference(np.full(len(zones), zones.a[zone]), zones.b, shift)
@@ -231,9 +233,9 @@ class GradedSystem(Rows, Kept):
         return out
 
     def far_fields(self, zone: int, places: Places) -> Array:
-        """Transform at points of a zone per unit of each unknown, without near terms.
-        The terms 1 / (x - x') between points x, x' of the same zone are left out. The transform is
-        multiplied by dx/ds, with the graded coordinate s of the zone.
+        """Transform at points of a zone per unit of each unknown, without the pole on the zone.
+        The terms 1 / (x - x') between points x and sources x' of the same zone are left out. The
+        transform is multiplied by dx/ds, with the graded coordinate s of the zone.
         """
         kernel, own = self.equation.kernel, self.own(zone)
         out = np.zeros((len(places.u), self.nodes))
@@ -252,7 +254,7 @@ class GradedSystem(Rows, Kept):
         """Potential at points of a zone (rows) per unit of each unknown F_k (columns).
         F_k is the charge at source (quadrature node) k.
 
-        The term log|s - s'| of the zone's own sources is left out.
+        The term log|s - s'| of the zone's own sources s' is left out; s is the graded coordinate.
         """
         kernel, own = self.equation.kernel, self.own(zone)
         out = np.zeros((len(places.u), self.nodes))
@@ -373,10 +375,10 @@ class GradedSystem(Rows, Kept):
         return row, np.zeros(1)
 
     def levels(self) -> Linear:
-        """Level of each solved zone: the mean of potential minus primitive of the right side.
+        """Level of each solved zone: mean of (potential minus primitive of the right side).
 
-        The mean has the weight 1 / sqrt(1 - s^2), with which the mean of log|s - s'| over s is
-        -log(2) for every s'.
+        The mean has the weight 1 / sqrt(1 - s^2). With this weight, the mean of log|s - s'| over s
+        is -log(2) for every s'.
         """
         return self._levels
 
@@ -463,12 +465,10 @@ class GradedSystem(Rows, Kept):
         F is the density times sqrt(1 - s^2) dx/ds, with the graded coordinate s. The two factors
         are those of `Grading.scale`, one for each end. The shape of the powers is (2, zones).
 
-        The series is that of the quotient.
-
-        Round-off of a series is relative to its largest value. Next to a narrow gap, F may be as
-        large as on the rest of the zone, or fall in proportion to the distance. The errors of the
-        density times sqrt(1 - t^2) are least without the division in the first case, and with it in
-        the second.
+        The quotient is expanded in a series, whose round-off is relative to its largest value. Next
+        to a narrow gap, F may be as large as on the rest of the zone, or fall in proportion to the
+        distance from the zone beyond the gap. In the first case the errors of the density times
+        sqrt(1 - t^2) are least without the division, in the second case with it.
         """
         out = np.zeros((2, len(self.zones)))
         for zone, grading in enumerate(self.gradings):
@@ -495,7 +495,7 @@ class GradedSystem(Rows, Kept):
 
 def _primitive(name: str, forcing: Forcing, x: Array) -> float:
     """Sum over the points x of the primitive of the right side or of a column.
-    name: how the error message calls this function.
+    name: name of the right side or the column in the error message.
     """
     if forcing.primitive is None:
         raise ValueError(f"a condition on potentials needs the primitive of {name}")

@@ -51,7 +51,7 @@ _POTENTIAL_TERMS = SPLINES.coefficients_per_knot * SPLINES.min_density_jumps
 
 @record
 class DensityJumps(ForcingJumps):
-    """Jumps J of the density's q-th derivatives, stored as J w^q / q! with the half width w.
+    """Jumps J of q-th derivatives of the density, stored as J w^q / q! with the half width w.
 
     logarithms: terms of the right side that the jumps of order 0 cause, inside zones or not.
     """
@@ -112,10 +112,10 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give the part of the density that has the jumps.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:
-        """Integral of each jump's density from the left end, divided by half width * height / pi.
+        """Integral, from the left end to a point t, of the density h (t - s)^q eta of each jump.
 
-        It follows from the integral between the point t and the end that lies on the same side of
-        the jump s as t. For t > s, this integral is
+        It is divided by half width * h / pi. It follows from the integral between the point t and
+        the end that lies on the same side of the jump s as t. For t > s, this integral is
 
             int_t^1 (tau - s)^q eta dtau = (1/pi) int_0^theta (cos a - s)^q a sin(a) da.
         """
@@ -134,7 +134,7 @@ class DensityJumps(ForcingJumps):
 
     @cached_property
     def _totals(self) -> Array:
-        """Integral of each jump's density over the zone, divided by half width * height / pi."""
+        """Integral over the zone of the density of each jump, divided by half width * h / pi."""
         count, alone = len(self.zone), replace(self, height=np.full(len(self.zone), np.pi))
         return np.pi * alone.coefficients(np.arange(count), np.arange(count), count, 1)[:, 0]
 
@@ -150,8 +150,9 @@ class DensityJumps(ForcingJumps):
 
     # The methods below give potentials of the densities of jumps.
     def sharp_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of jumps, poles and nearby logarithms, divided by the half width w.
-        The term c_0 log(w) is left out, where c_0 is the integral of the density, divided by pi w.
+        """Potential of the densities of jumps, poles and nearby logarithms, divided by w.
+        w is the half width. The term c_0 log(w) is left out, where c_0 is the integral of the
+        density, divided by pi w.
 
         On the zone rho = e^{i theta}. For q = 0 the formula comes from partial fractions of
         -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)). For other q see `_potential`.
@@ -163,9 +164,10 @@ class DensityJumps(ForcingJumps):
         return out + self.poles.potential(zone, seen) if len(self.poles) else out
 
     def of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
-        """Potential of density jumps k, divided by w h / pi with the half width w and the height h.
+        """Potential of the densities of the jumps k of order 0, divided by w h / pi.
 
-        The term c_0 log(w), with c_0 = total / (pi w), is left out. log: log(2 rho).
+        w: half width; h: height. The term c_0 log(w) is left out, where c_0 is the integral of the
+        density, divided by pi w. log: log(2 rho).
         """
         up = np.exp(1j * self.phi[k])
         both = potential_series(up, rho) + potential_series(np.conj(up), rho)
@@ -185,7 +187,7 @@ class DensityJumps(ForcingJumps):
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
-        """Potential of jumps k, divided by the half width w.
+        """Potential of the densities of the jumps k, divided by the half width w.
         The term c_0 log(w) is left out, where c_0 is the integral of the density, divided by pi w.
         """
         higher = self.order[k] > 0
@@ -232,7 +234,7 @@ class DensityJumps(ForcingJumps):
         )
 
     def _potential(self, q: int, k: Index, parts: tuple[Any, ...]) -> Any:
-        """Potential of jumps k of order q = 1 or 2, as a primitive of the transform.
+        """Potential of the densities of jumps k of order q = 1 or 2: a primitive of the transform.
 
         Of all primitives it is the one that behaves as -c_0 ln(2 |rho|) far away. With
         L = ln(1 - 2 rho cos(phi) + rho^2), R = sgn(z) sqrt(z^2 - 1) and g = -ln|rho| = int dz / R,

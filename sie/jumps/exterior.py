@@ -1,19 +1,19 @@
 r"""Logarithms of the right side just outside a zone, in closed form.
 
-The logarithm stands at s, in half widths from the middle of the zone, with s > 1 or s < -1. With
-rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, and t = cos(theta), the bounded density
+The logarithm is infinite at s, in half widths from the middle of the zone, with s > 1 or s < -1.
+With rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, and t = cos(theta), the bounded density
 
     beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta)
             = -(2/pi) atan2(rho sin(theta), 1 - rho cos(theta))
 
 has the transform (1/pi) ln(2 |rho| |t - s|) on the zone, and (2/pi) ln(1 - rho rho_z) off it, where
-rho_z is rho of the point z. It is the density of `sie.jumps.density` with rho^j in place of
-cos(j phi). Without this closed form, a logarithm close to an end would need a Chebyshev series of
-about 1/sqrt(distance) terms.
+rho_z is rho of the point z. The density beta is that of `sie.jumps.density` for q = 0, with rho^j
+in place of cos(j phi). Without this closed form, a logarithm close to an end would need a Chebyshev
+series of about 1/sqrt(distance) terms.
 
 If the logarithm is at the end itself, rho is 1 or -1. Then beta is (theta - pi)/pi or theta/pi: the
-density with the value -1 at the right end, or 1 at the left end, and 0 at the other one (the value
-mode).
+density with the value -1 at the right end or 1 at the left end, and 0 at the opposite end
+(`sie.basis.value_mode`).
 """
 
 import numpy as np
@@ -80,17 +80,17 @@ class ExteriorLogarithms(PerZone):
         return cls(zone, which, rho, weights[which])
 
     def sine_coefficients(self, count: int, k: Index | slice = slice(None)) -> Array:
-        """Coefficients of sin(j theta), j = 1 ... count, in the density of the logarithms k.
-        It is the density that the logarithm of the right side causes on a zone next to it.
+        """Coefficients of sin(j theta), j = 1 ... count, in the densities of the logarithms k.
+        Each logarithm of the right side causes such a density on the zone next to it.
         """
         j = np.arange(1, count + 1)
         return np.asarray(-2 * self.weight[k, None] * self.rho[k, None] ** j / j)
 
     def edge_slopes(self) -> tuple[Array, Array]:
-        """(at left ends, at right ends) slopes of the density that each logarithm causes.
+        """Slopes, at the zone's ends, of the density that each logarithm causes: (left, right).
 
-        A slope is the derivative with respect to the angle from the end, taken inside the zone. At
-        an end at which the logarithm stands, the density itself does not tend to zero.
+        A slope is the derivative with respect to the angle from the end, taken inside the zone. If
+        the logarithm is at an end, the density itself does not tend to zero there.
         """
         w, rho = self.weight, self.rho
         with np.errstate(divide="ignore"):
@@ -102,8 +102,8 @@ class ExteriorLogarithms(PerZone):
         """Contribution of nearby logarithms to the mean of the right side's primitive on each zone.
 
         It is divided by the half width. Each logarithm, with the weight v = J/pi, adds the
-        transform -2 v sum rho^j T_j / j. The primitive of this transform that has values of
-        opposite sign at both ends has the mean over theta
+        transform -2 v sum rho^j T_j / j. Of the primitives of this transform, the one whose values
+        at both ends have the sum zero has the mean over theta
         -2 v (-rho / 4 + sum rho^j / (j (j^2 - 1)), j = 3, 5, ...).
         """
         rho = self.rho
@@ -123,7 +123,7 @@ class ExteriorLogarithms(PerZone):
     def density(self, zone: Index, left: Array, right: Array) -> Array:
         """Density on each zone that logarithms of the right side just outside this zone cause.
 
-        At the end at which a logarithm stands, it is the limit from within the zone.
+        At an end that is the position of a logarithm, it is the limit from within the zone.
         """
         sine = np.sqrt(left * right)
 
@@ -164,9 +164,8 @@ class ExteriorLogarithms(PerZone):
 
     def integral(self, zone: Index, left: Array, right: Array) -> Array:
         """Integral, from the zone's left end, of the density that nearby logarithms cause.
-        It is divided by the half width of the zone.
-
-        It is the integral over the whole zone minus the integral from the point to the right end.
+        It is divided by the half width of the zone. It is computed as the integral over the whole
+        zone minus the integral from the point to the right end.
         """
         angle = theta(left, right)
 

@@ -42,7 +42,7 @@ OPTIONS = JumpOptions()
 
 @record
 class PlacedJumps(PerZone):
-    """Jumps of a function, or of its derivatives, at places inside the zones.
+    """Jumps of a function or of derivatives of this function, at places inside the zones.
 
     zone: zone of each jump; left, right: distances from the zone's ends in half widths w; order: q,
     the number of the derivative that jumps; height: h = J w^q / q!, with J the size of the jump.
@@ -84,7 +84,7 @@ class PlacedJumps(PerZone):
 
     @cached_property
     def sine(self) -> Array:
-        """sin(phi) of each jump's angle phi, without cancellation close to either end."""
+        """sin(phi), with the angle phi of each jump, without cancellation close to either end."""
         return np.asarray(np.sin(np.minimum(self.phi, self.psi)))
 
     @cached_property
@@ -139,7 +139,7 @@ class PlacedJumps(PerZone):
 
     def of_density(self, k: Index, left: Array, right: Array) -> Array:
         """Density (t - s)^q kappa(t) of jumps k at s, of order q.
-        kappa is the logarithm in the function `kappa`.
+        The function `kappa` of this file gives kappa(t), a logarithm.
         """
         away, q = left - self.left[k], self.order[k]
         with np.errstate(invalid="ignore"):
@@ -234,7 +234,8 @@ class PlacedJumps(PerZone):
         """Coefficients (rows, count) of T_l / sqrt(1 - t^2) in the density of jumps.
         A row is the sum over those jumps k whose `row` is its index.
 
-        (t - s)^q is expanded in powers of t, so that each row, not each jump, is multiplied by t.
+        (t - s)^q is expanded in powers of t. So only one series for each row is multiplied by t,
+        not one for each jump.
         """
         highest = int(self.order[k].max(initial=0))
         j = np.arange(1.0, count + highest + 2)

@@ -1,12 +1,12 @@
-"""Logarithmic terms of the right side, which jumps of the density on the zones cause.
+"""Logarithmic terms of the right side, which jumps of the density cause.
 
 For a jump J of the density at s the caller omits (J/pi) Lambda(x, s) from the values of the right
 side, with Lambda the kernel's potential. This module adds the omitted term, computed from distances
 that lose no digit even on very narrow zones.
 
-A plateau, on which the density has the value v, is no zone. The density on the zones jumps by -v
-where the plateau begins and by v where it ends, and the terms of these jumps are minus the
-transform of the plateau.
+A plateau is an interval beside a zone on which the density has a given value v. It is not a zone.
+So without the plateaus, the density jumps by -v where a plateau begins and by v where it ends. The
+terms of these two jumps are minus the transform of the plateau.
 """
 
 import math
@@ -120,8 +120,8 @@ def _in_gap(
 class Logarithms(Kept):
     """Terms of the right side for jumps J of the density: J/pi times the kernel's potential.
 
-    J are the jumps of the density. at: positions s; weight: J/pi; own: the zone that contains s, or
-    -1; near: the terms whose s lies outside a zone but close to it, or at its end.
+    at: positions s of the jumps; weight: J/pi; own: the zone that contains s, or -1; near: pairs of
+    a zone and a term whose s lies outside this zone but close to it, or at its end.
     """
 
     kernel: Kernel
@@ -186,8 +186,9 @@ class Logarithms(Kept):
     def _of_complex_lag(self, away: Complex, what: What) -> Complex:
         """Kernel's potential, its derivative or its primitive, at lags z - s with Im(z - s) >= 0.
 
-        what: "transform" for the potential, "derivative", or "potential" for the primitive. They
-        name the field of the plateaus to which the result belongs.
+        what: "transform" for the kernel's potential, "derivative" for the derivative of this
+        potential, or "potential" for its primitive. These are the names of the plateaus' fields to
+        which the result contributes.
         """
         kernel = self.kernel
         if is_hilbert(kernel) and what != "potential":
@@ -214,11 +215,11 @@ class Logarithms(Kept):
         return out
 
     def on_zones(self, zone: Index, left: Array) -> Array:
-        """Sum of the logarithmic terms at points on zones, without the singularities in or near it.
+        """Sum of the logarithmic terms at points on zones, without singularities near the points.
 
         left: distances from the zones' left ends in half widths. For a jump at s in the zone of the
-        point, (J/pi) ln(2 |t - s|) is omitted; for a jump close to this zone,
-        (J/pi) ln(2 |rho| |t - s|) is omitted.
+        point t, (J/pi) ln(2 |t - s|) is omitted; for a jump outside but close to this zone,
+        (J/pi) ln(2 |rho| |t - s|) is omitted, with the rho of `ExteriorLogarithms`.
         """
         if self._are_many(len(zone)):
             return -self._sums_on_zones(zone, self.zones.half[zone] * left, self._near_zones)
@@ -281,9 +282,10 @@ class Logarithms(Kept):
 
     @cached_property
     def _singular(self) -> tuple[Index, Array, Array]:
-        """Logarithms near a zone: (numbers of pairs, places of logarithms, what is left of terms).
-        The pair of zone i and term k has the number i n + k, with the number n of all terms. Left
-        of a term is the constant ln(|x - s| / datum) - ln(2 |rho| |t - s|), see `on_zones`.
+        """Logarithms near a zone: (numbers of pairs, positions of logarithms, constants).
+        The pair of zone i and term k has the number i n + k, with the number n of all terms. The
+        constant ln(|x - s| / datum) - ln(2 |rho| |t - s|) remains of the term if its singularity is
+        left out, see `on_zones`.
         """
         near, zones, count = self.near, self.zones, len(self.at)
         number = near.zone * count + near.which

@@ -3,8 +3,9 @@
 A plateau is an interval beside a zone, on which the density has a given constant value v. At the
 lag y from its beginning and y' from its end, the plateau has the transform (v/pi) (ln|y| - ln|y'|)
 for each pole of the kernel. The points lie in cells, which are intervals of the line. On each cell,
-the transform of all distant plateaus is one Chebyshev series (`sie.trees.far`). The few plateaus
-near a cell are added in closed form, so that the caller may replace their singular terms.
+the transform of all distant plateaus is one Chebyshev series (`sie.trees.far`). The terms of the
+few plateaus near a cell are added in closed form by a function of the caller, which may leave out
+singular terms.
 """
 
 from collections.abc import Callable
@@ -28,7 +29,8 @@ OfPairs = Callable[[Index, Array, Index, Array], Array]
 class PlateauSums:
     """Transform and potential of plateaus, by Chebyshev series on cells of the line.
 
-    plateaus: their ends (m, 2), and the density on each (m,); a, b: ends of the cells, ascending.
+    plateaus: ends of the plateaus (m, 2), and the density on each (m,); a, b: left and right ends
+    of the cells, ascending.
     """
 
     def __init__(self, plateaus: tuple[Array, Array], a: Array, b: Array, kernel: Kernel) -> None:
