@@ -60,8 +60,8 @@ class Solution:
         normalised position t in its zone, divided by the density's largest coefficient; (ii) each
         free end's error divided by its zone's width. Infinite if the ends have not converged.
     errors : ndarray
-        The same bound for each zone (n,), but relative to the zone's own largest coefficient. If
-        other zones have a much larger density, it is larger than `error`.
+        The same bound for each zone (n,), but relative to the zone's own largest coefficient. An
+        entry is larger than `error` if other zones have much larger densities.
     value : float or None
         The value found for the side condition of unknown value, if there is one.
     state : State
@@ -88,7 +88,7 @@ class Solution:
 
     @property
     def amplitudes(self) -> Array:
-        """Amplitudes (k,) of the terms `Equation.columns`, whose amplitudes are unknowns."""
+        """Amplitudes (k,) of the columns `Equation.columns`, which the solution determines."""
         return self.density.amplitudes
 
     @property
@@ -263,7 +263,7 @@ class Solution:
         weight : callable or None
             weight(x), x (n,), smooth on each zone.
         intensities : array_like (2, n) or None
-            Factors of the intensities; zero but for singular ends.
+            Factors of the intensities; they must be zero except at singular ends.
         ends : array_like (n, 2) or None
             Factors of the positions of the ends.
 

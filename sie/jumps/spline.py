@@ -488,9 +488,9 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _cubics(self) -> tuple[float, float]:
-        """Coefficients of the cube of the angle in the density close to the left and right end.
+        """Coefficients of angle^3 in the density close to the zone's ends: (left end, right end).
 
-        Close to an end the density is a series of odd powers of the angle theta from that end.
+        Close to an end the density is a series of odd powers of the angle from this end.
         """
         cuts = self._cells[0]
         theta, angle = cuts[[-1, 0]], np.array([np.pi - cuts[-1], cuts[0]])

@@ -8,7 +8,7 @@ from numba import njit
 
 @njit(cache=True, nogil=True, fastmath={"contract"}, error_model="numpy")
 def densities(begin: int, end: int, jumps: Any, lists: Any, points: Any, out: Any) -> None:
-    """Set the densities of all jumps in the zone of each of the points begin ... end - 1.
+    """For the points begin ... end - 1, sum the densities of all jumps in each point's zone.
 
     jumps: (distance from the zone's left end, square root of this distance, square root of the
     distance from the right end, order, weight) of each jump. lists: (indices of the jumps, zone

@@ -296,7 +296,7 @@ class _Coarse(Trial):
 
 @record
 class AppliedRows(Rows):
-    """Quantities for side conditions; each matrix is replaced by its product with `y`."""
+    """Quantities for side conditions; the product with the unknowns `y` replaces each matrix."""
 
     of: LevelRows
     y: Array

@@ -122,8 +122,9 @@ class SlitKink(Kept):
         The e_j are those of `_weights`. This sum forms psi, the part of the slack (the slit's
         unknown function) that the jump causes.
 
-        psi is h half^q (z - zeta)_+^q, minus h times this sum of the means b_j of (z - .)_+^j. The
-        same sum acts on every function derived from the powers.
+        psi is h half^q (z - zeta)_+^q, minus h times this sum of the means b_j of (z - .)_+^j, with
+        the slit's coordinate z and the jump's place zeta in it. The same sum acts on every function
+        derived from the powers.
         """
         return self.half**self.order * sum(
             e * part for e, part in zip(self._weights, of_powers, strict=False)

@@ -62,9 +62,10 @@ _PANELS = -int(np.log2(EPS))
 class SlitPlane:
     """Transform and potential at complex points of a density on zones with narrow gaps (slits).
 
-    whole: density on the wide zones from its first coefficients, which holds far from them; slack:
-    the slits' part of `whole`, on the wide zones with slits; series: series of sigma = s X on each
-    slit; kinks: (index of the slit, jump) for the jumps in slits.
+    whole: density on the wide zones from its first coefficients, which give the fields far from
+    these zones; slack: the slits' part of `whole`, on the wide zones with slits; series: series of
+    s sqrt(1 - t^2) on each slit, with the slack s; kinks: (index of the slit, jump) for the jumps
+    in slits.
     """
 
     geometry: SlitGeometry
@@ -158,8 +159,8 @@ def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Compl
     psi is the part of the slack (the slit's unknown function) that a jump causes, see
     `SlitKink.slope`.
 
-    The formula holds off the wide zone. seen, inner: the points relative to the
-    wide zone and to the slit.
+    The formula holds off the wide zone. seen, inner: the points relative to the wide zone and to
+    the slit.
     """
     _, l, r = kink.mean_places
     zeta, rho, root, half, q = seen.zeta, seen.rho, seen.root, kink.half, kink.order

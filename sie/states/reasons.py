@@ -55,7 +55,9 @@ def reason_of(state: Any, tol: float) -> str:
 
 
 def _parts(state: Any) -> tuple[float, float, float]:
-    """Relative errors of the density due to (iteration, round-off of equations, other causes)."""
+    """Relative errors of the density due to (iteration, errors of the rows, other causes).
+    The rows are those of the linear system.
+    """
     size = max(state.size, 1e-300)
     iteration = float(state.linear_error.max(initial=0.0)) / size + state.rest
     conditions = float(state.whole.density_rounding.max(initial=0.0)) / size
@@ -64,7 +66,7 @@ def _parts(state: Any) -> tuple[float, float, float]:
 
 @record
 class _Worst:
-    """The zone with the largest residual, and quantities measured on this zone.
+    """The zone with the largest residual or neglected coefficients, and quantities on this zone.
 
     state: state of the zones without slits, or of the wide zones; zone: index of the zone in
     `state`; where: name of the zone in messages; residual: the largest residual, times

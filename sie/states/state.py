@@ -158,7 +158,9 @@ class State(Solved):
     def made_of(self, left_out: Array) -> Array:
         """Errors of each zone's density (Z,) caused by neglected coefficients with given sums (Z,).
 
-        The neglected coefficients count twice, since sampling at nodes adds them to kept ones.
+        The sums are multiplied by the number of coefficients, since a coefficient c_k counts about
+        k times close to an end. They also count twice, since sampling at nodes adds the neglected
+        coefficients to kept ones.
         """
         return np.asarray(2 * left_out * np.maximum(self.sizes.own[: len(left_out)], 1))
 
@@ -355,9 +357,9 @@ def residual_errors(
     residuals: the residual times sqrt(1 - t^2), of the shape (n, angles).
 
     rounding: round-off of the jumps' closed forms, which the residuals include. separated: mask of
-    the zones on which the points separate the first modes of the residual from the others. Of the
-    others only the largest value is known. The error of the density is up to this value times the
-    number of modes.
+    the zones on which the angles separate the first modes of the residual from the others. Of the
+    others only the largest value of their sum is known. They cause an error of the density of up to
+    this value times the number of modes.
     """
     values, amplitudes_of = separated_modes()
     low = residuals @ amplitudes_of.T

@@ -207,10 +207,10 @@ class FarSum:
         return len(self.far) * TERMS**2 + self.near_terms
 
     def _at(self, terms: int, here: slice = slice(None)) -> tuple[Array, Array]:
-        """Numbers rho of the points at which far pairs are evaluated, and factors of series in rho.
-        rho is z - sgn(z) sqrt(z^2 - 1). The transform is the factor times a sum of powers of rho.
+        """(rho, factor) at the Chebyshev nodes of each target, for the pairs of far nodes.
+        The transform is the factor times a sum of powers of rho = z - sgn(z) sqrt(z^2 - 1).
 
-        z: the target's nodes, measured from the source's middle in half widths.
+        z: position of a node, measured from the source's middle in half widths of the source.
         """
         nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
         away = self._gap[here] + self._width[here] * (
