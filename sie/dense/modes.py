@@ -5,13 +5,14 @@ This is cheap, because a zone's own operator is diagonal. The field of the other
 coefficients that decay as rho^k. Here rho < 1 belongs to the nearest end of another zone (or of an
 image), or to the nearest singularity of a column. So narrow zones far apart need few coupled modes.
 
-Consider a narrow zone with a load between two neighbours that keep their levels (constant
-potentials). The neighbours act on the load like the grounded half-lines x < -g and x > g', with g
-and g' their distances from the load. Let s be the position from the middle of the gap, divided by
-half the gap. The map s -> tan(asin(s)/2) takes the plane slit along |s| > 1 to the unit disk. So
-at the distance r from a load at the origin, the potential is log(r / R), with the conformal radius
-R = 4 g g' / (g + g'). A level of the left half-line contributes to the potential at the load with
-the harmonic measure 1/2 - asin(s) / pi, where s = (g - g') / (g + g').
+`conformal_radius` and `felt` follow from a model: a narrow zone with a load lies between two
+neighbours that keep their levels (constant potentials). They act on the load like the grounded
+half-lines x < -g and x > g', with g and g' their distances from the load. Let s be the position
+from the middle between the half-lines, divided by half their distance. The map
+s -> tan(asin(s)/2) takes the plane slit along |s| > 1 to the unit disk. So at the distance r from a
+load at the origin, the potential is log(r / R), with the conformal radius R = 4 g g' / (g + g'). A
+level of the left half-line contributes to the potential at the load with the harmonic measure
+1/2 - asin(s) / pi, where s = (g - g') / (g + g').
 """
 
 import math
@@ -102,7 +103,7 @@ def enough(kernel: Kernel, tolerance: float) -> float:
 
 @record
 class Growth:
-    """Record of how the coefficients of the field on each zone fall as the modes grow in number.
+    """Record of the last coefficients of the field on each zone, for growing numbers of modes.
     The field is that of the other zones. Its last coefficients show how many modes are needed.
 
     m: numbers of modes of the last solution (Z,); tails: sizes of the field's last coefficients

@@ -342,8 +342,9 @@ class System(Rows):
         """Relative error on each zone (Z,) of the quadrature of the kernel's regular part.
         The kernel has a finite `length`, over which it varies.
 
-        Gauss's rule confuses one coefficient of the kernel with the highest mode. The error is the
-        size of this coefficient, extrapolated for x at both ends and in the middle of the zone.
+        In Gauss's rule, a high Chebyshev coefficient of the kernel acts on the highest mode as if
+        it were a low one (aliasing). The error is the size of this coefficient, extrapolated for x
+        at both ends and in the middle of the zone.
         """
         zones, kernel, tails = self.zones, self.equation.kernel, np.zeros(len(self.zones))
         assert kernel.regular is not None

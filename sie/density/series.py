@@ -34,7 +34,7 @@ class DensityOptions:
     # relative to the half width. The error grows without bound there.
     end_distance: float = 0.01
     # Least number of angles at which the density is sampled on a zone. The density is also sampled
-    # on both sides of the zone's highest kinks, at most `samples` kinks.
+    # on both sides of kinks: the zone's highest ones, at most this number.
     samples: int = 32
     # Largest number of angles theta = arccos(t) of a zone at which the change of the density by
     # motions of the zone's ends is evaluated.

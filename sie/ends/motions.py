@@ -358,7 +358,9 @@ class IteratedMotions(FreeEnds):
         It is the largest real part of the eigenvalues of d(sign * K)/d(motion), with the
         intensities K.
 
-        It is found by Arnoldi's method (W. E. Arnoldi, Quart. Appl. Math. 9, 1951, 17-29).
+        It is found by Arnoldi's method (W. E. Arnoldi, Quart. Appl. Math. 9, 1951, 17-29). With a
+        condition on the ends, normal is the condition's derivative by the motions, and by_value the
+        derivative of sign * K by the unknown value of a side condition.
         """
         driving = signs[self.side]
 
@@ -641,7 +643,8 @@ class DirectMotions(FreeEnds):
         intensities K.
 
         With a condition on the ends, only motions that keep the condition count, and the unknown
-        value of a side condition follows them.
+        value of a side condition follows these motions. Then normal is the condition's derivative
+        by the motions, and by_value the derivative of sign * K by the unknown value.
         """
         driven = signs[self.side][:, None] * self._rates.intensities
         if normal is not None and by_value is not None:

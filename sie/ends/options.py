@@ -30,9 +30,8 @@ class NewtonOptions:
         Truncation tolerance of the density's coefficients, relative to the largest coefficient;
         None: a tenth of the tolerance of the ends.
     bounded_ends : bool
-        Whether the remaining 1/sqrt(d) terms are removed from the last density. As a function of
-        the position relative to the zone, it is then accurate to first order in the errors of the
-        ends.
+        Whether the terms 1/sqrt(d) that remain at free ends are removed from the last density. At
+        equal positions relative to the zone, its relative error is then about that of the ends.
     allow_loss : bool
         Whether the search continues without zones that vanish, and with zones that merge. If
         False, it stops there.
@@ -57,14 +56,14 @@ class NewtonOptions:
         The error of an end is estimated by its next step times this factor, which allows for terms
         of second order.
     rounding_step : float
-        Steps below this that no longer decrease are round-off.
+        Steps of the ends below this length that no longer decrease are round-off.
     stalled_steps : int
         After this number of steps without progress, round-off may be the reason. With `allow_loss`,
         zones with the wrong sign of the density are given up after this number of steps, once the
         steps are below `close_step`.
     close_step : float
-        A guess is close to a solution if its first step is below this, and if each further step is
-        below this fraction of the step before.
+        A guess is close to a solution if its first step is below this number, and if each further
+        step is below this fraction of the previous step.
     vanished_part : float
         A zone or a gap that has shrunk to this fraction of its first size has vanished. A single
         zone keeps the given total however narrow it is. So it has vanished only at the fourth

@@ -163,7 +163,7 @@ class Progress:
         return max(step.move for step in recent) / max(move, 1e-300)
 
     def _scatter(self) -> float:
-        """Ratio of the ends' second last move to the last one, if the former is round-off; else 0.
+        """Second last move of the ends over the last one, if the second last is round-off; else 0.
 
         Near the solution a move is at most about a constant times the square of the move before. A
         small move above this bound is due to round-off of the data. The last move may be smaller

@@ -4,8 +4,8 @@
 
 on the zones, with side conditions on the density phi and on the unknown amplitudes lambda_k. Before
 anything is solved, the number of unknowns is compared with the number of conditions. The number of
-unknowns is the sum of the indices of all zones, plus one for each free end and one for each unknown
-amplitude.
+unknowns is the sum of the indices of all zones (see `sie.basis.zones`), plus one for each free end
+and one for each unknown amplitude.
 """
 
 from collections import Counter

@@ -215,7 +215,7 @@ class ZoneSums:
     """Field of all zones and their images on each solved zone, without the zone's own field.
 
     Calls return the coefficients of the transform in Chebyshev polynomials U, and the mean of the
-    potential with weight 1 / sqrt(1 - t^2).
+    potential, with the weight 1 / sqrt(1 - t^2), in two parts.
     """
 
     def __init__(self, zones: Zones, kernel: Kernel, layout: Layout) -> None:

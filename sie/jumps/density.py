@@ -66,7 +66,7 @@ class DensityJumps(ForcingJumps):
         kernel: Kernel,
         spline: Callable[[Array], Array] | None = None,
     ) -> "DensityJumps":
-        """The jumps that lie in a zone. Their positions `at` repeat with the kernel's period.
+        """The given jumps that lie in zones. The positions `at` repeat with the kernel's period.
 
         spline: a quadratic spline with the jumps of order 2, if there is one.
         """

@@ -126,8 +126,8 @@ class PlacedJumps(PerZone):
             np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), left - self.left[k]
         )
 
-    # The methods below give the density that jumps k cause, its transform and its potential,
-    # divided by `height` / pi.
+    # The methods below give the densities that jumps k cause, and transforms, integrals and
+    # potentials of these densities, divided by `height` / pi.
     def on_zone(self, k: Index, left: Array) -> Array:
         """Transform, on the zone, of the densities of jumps k, divided by (height / pi)."""
         away = left - self.left[k]
