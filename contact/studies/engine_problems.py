@@ -1,25 +1,27 @@
-r"""Equations of known solution for the engine alone: true errors against stated ones.
+r"""Tests of the engine `sie` on equations of known solution: true errors against stated ones.
 
     python -m contact.studies.engine_problems FIRST COUNT [--tol 1e-10] [--second-kind]
 
 Widths and gaps of the zones vary over up to ten decades. Ends are singular, bounded, free or have a
-prescribed intensity. Conditions are totals, totals of zones or differences of levels. The kernel is
-Cauchy's, Cauchy's with a smooth part, or Hilbert's. The density phi is designed. With the ends e of
-the zones, and the function y(x) = x, or y(x) = sin(pi x/L) with a period, it is
+prescribed intensity. Side conditions prescribe the total, totals of single zones, or differences of
+levels; the level of a zone is its constant potential. The kernel is Cauchy's, Cauchy's with a
+smooth part, or Hilbert's. The density phi is designed first, from the ends e of the zones, chosen
+roots r, and the function y(x) = x, or y(x) = sin(pi x/L) with a period L:
 
     phi = +-P |Y|,     Y = prod y(x - e)^(+-1/2)  (-: singular),     P = prod y(x - r).
 
-P has so many roots r that the right side g is constant or linear. g follows from P Y far away and
-from the smooth part of the kernel. `--second-kind` adds kappa phi to the equation. Then the
-exponent at a right end is alpha or alpha - 1, and at a left end 1 - alpha or -alpha, with
-cot(pi alpha) = kappa, and phi has the factor sin(pi times the exponent at the right end). P may
-have poles, so that g has them, too. Totals and levels are integrals from an end a to an end b, by
-the trapezoidal rule in s = log((x - a)/(b - x)). The gaps do not slow down the convergence of this
-rule (M. Mori, Publ. RIMS 41, 2005, 897-935).
+The right side g of the equation then follows from the polynomial part of P Y far away and from the
+smooth part of the kernel. The number of roots makes this polynomial constant or linear.
+`--second-kind` adds kappa phi to the equation. Then the exponent at a right end is alpha or
+alpha - 1, and at a left end 1 - alpha or -alpha, with cot(pi alpha) = kappa, and phi has the factor
+sin(pi times the exponent at the right end). P may have poles, so that g has them, too. Totals and
+levels are integrals from an end a to an end b, by the trapezoidal rule in
+s = log((x - a)/(b - x)). The gaps do not slow down the convergence of this rule (M. Mori, Publ.
+RIMS 41, 2005, 897-935).
 
-Each fault is printed: `dishonest`, `exception` or `slow`. A solution is dishonest if a true error,
-of all zones together or of a single zone, is above the stated one. At the end come the counts and
-the largest ratio of true to stated error.
+Each fault is printed: `dishonest`, `exception` or `slow`. A solution is dishonest if the true error
+of all zones together, or of a single zone, is above the stated one. The last lines have the counts
+and the largest ratio of true to stated error.
 """
 
 from __future__ import annotations
@@ -44,7 +46,9 @@ Array = NDArray[Any]
 class JudgingLimits:
     """Limits by which a computed solution is judged."""
 
-    other_root: float = 1e-3  # a larger error of an end, relative to the width, is another root
+    # Errors of ends are relative to the width of the zone. If one is larger than this, the solver
+    # has found another solution of the equation, which is not judged.
+    other_root: float = 1e-3
 
 
 LIMITS = JudgingLimits()
@@ -158,8 +162,8 @@ class Design:
         """Integral of a weight times the product P |Y| (module head), from the end a to the end b.
 
         The step of the trapezoidal rule in s causes an error of about exp(-2 pi h/step). Here h is
-        pi or, if P has a pole, the imaginary part of s at this pole. The sum ends at a node that
-        leaves an error of about exp(-46), for the exponent with the slowest decay.
+        pi or, if P has a pole, the imaginary part of s at this pole. The sum is cut off where the
+        exponent with the slowest decay leaves an error of about exp(-46).
         """
         step = 0.4
         if self.pole is not None:
@@ -194,10 +198,10 @@ class Design:
         return float(self.orientation(zone) * self.heights[zone] * scale * size)
 
     def polynomial(self) -> list[float]:
-        """Coefficients of the polynomial right side of the equation, lowest power first.
+        """Coefficients of the polynomial part of the right side, lowest power first.
         They hold for a kernel without a smooth part.
 
-        The right side is minus the polynomial part of P Y (head of this module) far away.
+        This part is minus the polynomial part of P Y (head of this module) far away.
         """
         shift = float(self.roots.sum() + (self.powers * self.ends).sum())
         if self.period is not None:
@@ -243,7 +247,7 @@ class Problem:
 
 
 def problem(seed: int, second_kind: bool = False) -> Problem:
-    """Return the random problem of a seed: its zones, kinds of ends, kernel and conditions."""
+    """Return the random problem of a seed, with random zones, kinds of ends, kernel, conditions."""
     rng = np.random.default_rng([41, seed])
     moving = rng.random() < 0.4
     count = int(rng.choice([1, 2, 3, 5, 8, 30], p=[0.15, 0.25, 0.2, 0.2, 0.15, 0.05]))

@@ -1,13 +1,14 @@
-"""Contact on an even grid by projected conjugate gradients: an independent check.
+"""Contact on an even grid by projected conjugate gradients: an independent check of the solver.
 
-It shares no code with the solver and takes any kernel (Polonsky & Keer 1999, Wear 231, 206-219).
-On cells of width h, with the displacement S p, it solves
+The method (Polonsky & Keer 1999, Wear 231, 206-219) shares no code with the solver and takes any
+kernel. On cells of width h, with the pressure p, the displacement S p and the profile f, it solves
 
     p >= 0,  gap = S p + f - level >= 0,  p gap = 0,  sum p h = load.
 
-The matrix S comes from a symbol L(q) over a period, u_q = 2 L(q) p_q/(E* q), or from the potential
-of an isolated body's kernel. On n cells the ends of zones have an error of about one cell. The
-relative error of the load and the level is about 1/n.
+In periodic contact the symbol L(q) of the body gives the matrix S: a wave of the pressure with wave
+number q and amplitude p_q displaces the surface by u_q = 2 L(q) p_q/(E* q). In isolated contact S
+comes from the potential of the body's kernel. On n cells the ends of zones have an error of about
+one cell. The relative error of the load and the level is about 1/n.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ Array = NDArray[np.float64]
 class Judged:
     """A contact that was found on a grid, as a check of the solver.
 
-    `level` is the approach, with a displacement of zero mean over a period. `settled` says whether
-    the iterations converged.
+    `level` is displacement plus profile in contact [m]; over a period the displacement has zero
+    mean. `settled` says whether the iterations converged.
     """
 
     x: Array
@@ -164,7 +165,8 @@ def judge(
 def fault(scene: contact.Scene, solution: contact.Solution, cells: int = 4) -> str:
     """Return a message if a solution contradicts the grid; empty if they agree.
 
-    They agree if the ends of zones differ by at most `cells` cells for each end on average.
+    They agree if the ends of zones differ by at most `cells` cells on average, and the approaches
+    by at most 2 %. The message is also empty if the iterations on the grid did not converge.
     """
     window = None
     if scene.period is None:

@@ -3,9 +3,9 @@
     python -m contact.studies.pages OUT
 
 OUT/NAME.md replaces the text of a page between `<!-- measured: NAME -->` and `<!-- end -->`;
-OUT/NAME.png becomes docs/images/bench-NAME.png. Tables that are not in OUT stay as they are. The
-page shows the short form of a long table (`contact.studies.shortened`); docs/tables/NAME.csv has
-all of it.
+OUT/NAME.png becomes docs/images/bench-NAME.png. Tables that are not in OUT stay as they are. If a
+table is long, the page shows a short form of it (`contact.studies.shortened`), and
+docs/tables/NAME.csv has the whole table.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def fill(folder: Path, docs: Path = DOCS) -> None:
         if (folder / f"{name}.md").exists():
             cells = shortened.parsed((folder / f"{name}.md").read_text(encoding="utf-8"))
             if not short(cells).columns:
-                continue  # a line of text, which says all that the table has
+                continue  # the short form is a line of text that has all contents of the table
             (docs / "tables").mkdir(exist_ok=True)
             (docs / "tables" / f"{name}.csv").write_text(shortened.as_csv(cells), encoding="utf-8")
     for figure in folder.glob("*.png"):

@@ -2,11 +2,11 @@
 
     python -m contact.studies.random_laws FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
 
-Profiles and controls are those of `random_scenes`, and so are the outcomes; bodies are isolated or
-periodic half-planes. Each solution is compared with that of the mirror image, in which body 2
-slides in the other direction. Under a limit H of the pressure p, a periodic contact is also
-compared with the contact of the profile -f: its pressure is H - p. A difference above the sum of
-both stated errors is a fault.
+Profiles, controls and kinds of outcomes are those of `random_scenes`; bodies are isolated or
+periodic half-planes. Each solution is compared with the solution of the mirror image, in which body
+2 slides in the other direction. Under a limit H of the pressure, a periodic contact is also
+compared with the contact of the profile -f. The pressures of the two contacts add up to H. A
+difference above the sum of both stated errors is a fault.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 WithLaw = Callable[[np.random.Generator, contact.Scene], contact.Scene]
 
-# Places in an elastic interval at which pressures are compared, from -1 to 1 at its ends.
+# Normalised positions in an elastic interval at which pressures are compared; its ends are -1, 1.
 PLACES = np.cos(np.linspace(0.1, np.pi - 0.1, 60))
 
 
 def plastic(rng: np.random.Generator, scene: contact.Scene) -> contact.Scene:
-    """The scene with a hardness between 0.003 and 3 times E* times the mean slope.
-    A load above the largest one is replaced by a smaller one.
+    """The scene with a random hardness, 0.003 to 3 times E* times the rms slope of the profile.
+    A load that is too large for this hardness is replaced by a smaller one.
     """
     lo, hi = scene.profile.support or scene.profile.known or (-1.0, 1.0)
     with np.errstate(all="ignore"):
@@ -52,7 +52,7 @@ def plastic(rng: np.random.Generator, scene: contact.Scene) -> contact.Scene:
 
 
 def sliding(rng: np.random.Generator, scene: contact.Scene) -> contact.Scene:
-    """The scene in full sliding, with any friction up to 10 and any constant beta."""
+    """The scene in full sliding, with random friction up to 10 and a random Dundurs' constant."""
     friction = float(rng.choice([rng.uniform(0, 2), 10 ** rng.uniform(-6, 1)]))
     beta, direction = float(rng.uniform(-0.5, 0.5)), int(rng.choice([-1, 1]))
     return replace(scene, law=contact.Sliding(friction, beta, direction))
@@ -91,7 +91,7 @@ def draw(seed: int) -> DrawnLaw | contact.ContactError:
 
 
 def against_images(solution: contact.Solution, tol: float) -> str:
-    """Return a message if a solution contradicts that of its mirror image, or of -f; else ''."""
+    """Return a message if a solution contradicts the one of its mirror image or of -f; else ''."""
     scene, law = solution.scene.under("load", solution.load), solution.scene.law
     if isinstance(law, contact.Sliding):
         law = replace(law, direction=-law.direction)
@@ -112,9 +112,9 @@ def difference(
 ) -> float:
     """The largest difference of two solutions, divided by the sum of their stated errors.
 
-    It is infinite if the numbers of elastic intervals differ. turn: factor from places of the first
-    solution to those of the second one; most: the sum of both pressures, or None if the pressures
-    are equal. Pressures are compared on intervals whose width is known to ten digits.
+    It is infinite if the numbers of elastic intervals differ. turn: 1, or -1 if the second solution
+    is mirrored; most: the constant sum of both pressures, or None if the pressures are equal.
+    Pressures are compared on intervals whose width is known to ten digits.
     """
     period = one.scene.period if one.scene.interaction.needs_period else None
     (first, lengths), (second, _) = elastic_intervals(one), elastic_intervals(other)
@@ -126,7 +126,7 @@ def difference(
     away = nearest_image(first.mean(axis=1)[:, None] - second.mean(axis=1), 0.0, period)
     partner = np.abs(away).argmin(axis=1)
     ends = np.abs(nearest_image(first - second[partner], 0.0, period)) / lengths[:, None]
-    # Round-off of a place, divided by the width of its interval.
+    # Round-off of the ends of each interval, divided by the width of the interval.
     rounding = np.spacing(np.abs(first).max(axis=1)) / np.maximum(np.diff(first)[:, 0], 1e-300)
     wide = np.flatnonzero(rounding < 1e-10)
     p, q = pressures(one, wide, PLACES), pressures(other, partner[wide], turn * PLACES)
@@ -146,10 +146,10 @@ def pressures(solution: contact.Solution, which: Index, t: Array) -> Array:
 
 
 def elastic_intervals(solution: contact.Solution) -> tuple[Array, Array]:
-    """Intervals [m] of elastic contact (n, 2), and the lengths to which errors of their ends refer.
+    """Intervals [m] of elastic contact (n, 2), and lengths (n,) that scale errors of their ends.
 
-    The length is the width or, for a rim between a plateau and a gap, the width of the narrower
-    one of these two if that is larger.
+    The length is the width of the interval. For a rim, an interval between a plateau and a gap, it
+    is at least the width of the plateau or gap, whichever is narrower.
     """
     period = solution.scene.period if solution.scene.interaction.needs_period else None
     zones, plateaus = solution.zones, solution.plateaus

@@ -2,12 +2,13 @@
 
     python -m contact.studies.random_scenes FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
 
-Loads reach from first touch to beyond full contact. Every scene must come back certified, or end in
-an error of the package. Anything else is a fault: another exception, a warning of numpy or Python,
-a stated error above the tolerance, or wrong zones. Zones are compared with a solution at a
-thousandth of the tolerance, and with an independent grid where it is fine enough. A scene that
-takes longer than the limit, in seconds of processor time, is stopped; judging it may take the same
-time again. The file gets one line of CSV per scene, and all outcomes are counted at the end.
+Loads reach from first touch to beyond full contact. Every scene must give a certified solution or
+raise an error of the package `contact`. Anything else is a fault: another exception, a warning of
+numpy or Python, a stated error above the tolerance, or wrong zones. Zones are compared with a
+solution at a thousandth of the tolerance, and with an independent grid where it is fine enough. A
+scene that takes longer than the limit, in seconds of processor time, is stopped; judging its
+solution may take the same time again. The file gets one line of CSV per scene, and all outcomes are
+counted at the end.
 """
 
 from __future__ import annotations

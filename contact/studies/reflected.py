@@ -50,7 +50,7 @@ class Reflected(contact.Profile):
     @property
     def jumps(self) -> Array:
         rows = self._placed(self.profile.jumps)
-        # A mirror changes the sign of a jump of the second derivative, not of the third.
+        # Mirroring changes the sign of a jump of the second derivative, but not of the third.
         rows[:, 2] *= np.where(rows[:, 1] == 2, self._f * self._x, self._f)
         return rows
 
@@ -72,7 +72,7 @@ class Reflected(contact.Profile):
         return self.profile.resolution
 
     def _placed(self, rows: Array) -> Array:
-        """A table of the profile whose first column is a place, in ascending order of the place."""
+        """A table of the profile with reflected places in its first column, in ascending order."""
         rows = np.array(rows, dtype=float)
         rows[:, 0] *= self._x
         if self.period is not None:

@@ -19,7 +19,7 @@ from contact.studies.pages import fill
 
 
 def main(arguments: list[str]) -> int:
-    """Measure, show the tables, and return 3 if an extreme scene fails."""
+    """Measure and show the tables. Return 3 if an extreme scene fails, 2 for wrong arguments."""
     flags = {a for a in arguments if a.startswith("--")}
     names = [a for a in arguments if a not in flags]
     if len(names) != 1 or not flags <= {"--quick", "--peers", "--docs"}:

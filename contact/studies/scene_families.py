@@ -2,8 +2,8 @@
 
 A family is a function of a random generator and the length of a cell. It returns a profile,
 periodic or not, whose slopes are about 1e-3 to 1e-1. The interaction models are written as a reader
-of docs/own-profile.md would write them. Each defines its kernel in closed form. Its `multiplier` or
-`rest` is for the independent grid of contact.studies.grid_judge.
+of docs/own-profile.md would write them. Each model defines its kernel in closed form. The method
+`multiplier` or `rest` of a model serves the independent grid of contact.studies.grid_judge.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Family = Callable[[np.random.Generator, float], contact.Profile]
 class PiecewiseLinear(contact.Profile):
     """A piecewise linear profile with corners at the ascending positions `at`.
 
-    Without a period the first and last line continue to infinity.
+    Without a period the first and the last straight piece continue to infinity.
     """
 
     at: Array
@@ -353,7 +353,7 @@ class Coated(Bed):
 @dataclass(frozen=True)
 class Buried(contact.Interaction):
     """A substrate of an isolated body, with the kernel 1/r + eps r/(r^2 + depth^2).
-    Here r is the distance x - xi.
+    Here r is the lag x - xi, with its sign.
     """
 
     eps: float

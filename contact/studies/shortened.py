@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 Row = tuple[str, ...]
 
-STIFF = 10.0  # groups below this condition number lose at most one digit
+STIFF = 10.0  # a scene with a condition number below this loses at most one digit
 UNITS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}
 
 
@@ -105,7 +105,9 @@ def slow_scenes(cells: Cells) -> Cells:
 
 
 def stiff_groups(cells: Cells) -> Cells:
-    """Short form of the groups of extreme scenes: without groups that pass and are not stiff."""
+    """Short form of the table of groups of extreme scenes.
+    A group is left out if all its scenes pass and its condition number is below `STIFF`.
+    """
     rows = [
         row
         for row in cells.rows
@@ -150,8 +152,8 @@ def hardest_reached(cells: Cells) -> Cells:
 
 
 def faster_elsewhere(cells: Cells) -> Cells:
-    """Short form of a table of times: scenes that another code solves faster.
-    The columns of the largest error bound are kept; they come first.
+    """Short form of a table of times: only scenes that another code solves faster.
+    Of the columns, only those of the largest error bound are kept, which come first.
     """
     count = len({name.partition(": ")[2] for name in cells.columns[1:]})
     first = picked(cells, range(1 + count))
@@ -166,7 +168,9 @@ def _seconds(cell: str) -> float:
 
 
 def losses(cells: Cells) -> Cells:
-    """Short form of the ablation table: for each mechanism, scenes lost or changed, and times."""
+    """Short form of the ablation table.
+    For each mechanism that is switched off, it has the scenes lost or changed, and times.
+    """
     rows: list[Row] = []
     for name, lost, changed, _, time, *large, within, extreme_time in cells.rows:
         counts = re.findall(r"\d+", within)

@@ -1,6 +1,6 @@
 """Random periodic traces of many kinds of surfaces, as instruments record them.
 
-`drawn(rng, kind, points)` returns one of them, a `contact.Sampled` of one period; `KINDS` names the
+`drawn(rng, kind, points)` returns one trace, a `contact.Sampled` of one period; `KINDS` names the
 kinds. Lengths are those of stylus traces: a pitch of 0.1 to 1 um, heights of 0.01 to 10 um.
 """
 

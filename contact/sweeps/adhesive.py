@@ -1,7 +1,8 @@
-"""Loading paths of surfaces that adhere: up and down a list of values, through every jump.
+"""Loading paths of surfaces that adhere: a control rises and falls through a list of values.
 
-The energy lost in each jump is recorded. Between two values the contact is followed
-(contact.adhesion.loading_path). At the values it is solved, with its stated error and certificate.
+Each jump of the contact is recorded, with the energy that it loses. Between two values the
+equilibrium is followed step by step (contact.adhesion.loading_path). At each value the contact is
+solved, with its stated error and certificate.
 """
 
 from dataclasses import dataclass, field, replace
@@ -62,27 +63,27 @@ class AdhesiveEvent(Event):
     load : float
         The load just before the event [N/m].
     position : float
-        The place on the profile [m]: of the touch, of the middle of the zone that separates or of
-        the gap that closes, else of the end that moves first. Of several zones or gaps that go
-        together, one is meant.
+        A place on the profile [m]: the point of touch, the middle of the zone that separates or of
+        the gap that closes, or else the end that moves first. If several zones separate together,
+        or several gaps close together, it lies in one of them.
     before, after : ndarray
         The zones [m], (n, 2), just before and just after the event; (0, 2) for separate surfaces
         and in full contact.
     value : float
-        The value of the control at the event, exact to about 1e-12 of itself.
+        The value of the control at the event, with a relative error of about 1e-12.
     load_after : float
         The load after the event [N/m]; 0 for separate surfaces.
     approach, approach_after : float or None
         The approach before and after the event [m]; None if it is undefined.
     lost : float or None
         The energy that the event dissipates [J/m]: elastic and surface energy before the event,
-        less those after, plus the work of the load during the event. None without an approach, and
-        at a pull-off under a load if the separate state at its approach is unknown.
+        minus elastic and surface energy after it, plus the work of the load during the event. None
+        if an approach is undefined, or unknown after a pull-off under a prescribed load.
     surfaces : ndarray or None
-        For a pull-off, just before it: places, the deformed surface and the body above it [m], (3,
-        n).
+        The surfaces just before a pull-off [m], (3, n): positions, the deformed surface, and the
+        body above it. None for other events.
     error : None
-        Not stated for these events.
+        The error of the load is not stated for these events.
 
     Examples
     --------
@@ -140,8 +141,8 @@ class AdhesivePath(Path):
 
     Examples
     --------
-    A wave under a load that rises and falls: it is pulled off below no load, and the energy lost is
-    the work done.
+    A wave under a load that rises and falls: it jumps into contact and is pulled off. The energy
+    lost is the work of the load.
 
     >>> import contact
     >>> profile, law = contact.Sinusoid(0.01, 1.0), contact.JKR(1e-5)
@@ -188,7 +189,7 @@ class AdhesivePath(Path):
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """A matplotlib figure: load against approach with jumps, and surfaces before pull-off.
+        """A matplotlib figure: load against approach with its jumps; surfaces before pull-off.
 
         Parameters
         ----------
@@ -346,10 +347,10 @@ def _with_images(zones: Array, period: float | None) -> Array:
 
 
 def _places(scene: Scene, zones: Array, count: int = 601) -> Array:
-    """Places for drawing surfaces: the interval of all zones, with a margin on each side.
+    """Positions at which surfaces are drawn: the interval of all zones and a margin on each side.
 
-    They lie where the profile is known, and cover at most a period. count: number of places at even
-    distances.
+    They lie where the profile is known, and cover at most a period. count: number of evenly spaced
+    positions; further positions lie densely near the ends of zones.
     """
     lo, hi = scene.profile.x0, scene.profile.x0 + (scene.period or 1.0)
     if len(zones):
@@ -366,7 +367,7 @@ def _places(scene: Scene, zones: Array, count: int = 601) -> Array:
 
 
 class _PathRun:
-    """A loading path in progress: its scene, its history and the equilibria recorded so far.
+    """A loading path in progress: its scene, the path already followed, and recorded equilibria.
 
     scene: the scene at the value 0 of the control. give: compliance of the spring [m per N/m].
     """
@@ -434,15 +435,15 @@ class _PathRun:
     def first(self, value: float) -> PathState:
         """The state of the path at the first value of the control.
 
-        Below the value `law.first` of first touch, the surfaces are apart.
+        The surfaces touch first at the value `law.first` of the control; below it they are apart.
         """
         scaled, first = value / self.unit, self.by.law.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return PathState(scaled)
         if self.context.spring_compliance is not None or value < 0.0:
-            # With a spring, the contact without adhesion may be wider than the adhesive one at the
-            # same position of the spring's far end. So the path starts from separate surfaces, not
-            # from the contact without adhesion.
+            # At the same position of the spring's far end, the contact without adhesion may be
+            # wider than the adhesive contact. So the path does not start from the contact without
+            # adhesion, but from separate surfaces.
             *_, found = self.history.to(PathState(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, PathState)
             return found
@@ -451,7 +452,7 @@ class _PathRun:
     def solved(self, here: PathState, value: float, before: float) -> Solution:
         """The solution for the state `here` of the path, at a value of the control.
 
-        before: the previous value.
+        before: the previous scaled value of the control.
         """
         scene = self.scene.under(self.control, value)
         way = "advancing" if self.rises else "receding"

@@ -1,8 +1,9 @@
 """One scene solved under each interaction model, at the same value of its control.
 
-The models, in order: isolated contact; the localization principle with its two closures; the same
-with m explicit neighbours on each side; the scene's own model, if it is none of these; and the
-exact periodic contact. A model without a solution gives its reason; the others are still solved.
+The models, in order: isolated contact; the localization principle with its first-order and its
+self-consistent closure; the localization principle with m neighbours on each side that are solved
+exactly; the scene's own model, if it is none of these; and the exact periodic contact. If a model
+has no solution, the reason is reported and the other models are still solved.
 """
 
 import time
@@ -56,7 +57,7 @@ class Attempt:
 
 
 def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> list[Attempt]:
-    """The results of all models; the exact model comes last."""
+    """The results of all models for one scene; the exact periodic model comes last."""
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     models = _models(scene.interaction)
@@ -104,11 +105,11 @@ def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
 
 
 def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float | None:
-    """Largest difference of the pressures of two models, relative to the exact peak pressure.
+    """Largest difference of a model's pressure from the exact one, relative to the exact peak.
     The pressures are compared at equal normalised positions in the zones.
 
-    Where the peak is infinite, the mean pressure on the zones takes its place. None if the zones
-    differ in number. samples: number of Chebyshev points of a zone.
+    If the peak is infinite, the difference is relative to the mean pressure on the zones. None if
+    the numbers of zones differ. samples: number of Chebyshev points of a zone.
     """
     if ends_apart(attempt, exact) is None:
         return None
@@ -129,7 +130,7 @@ def pressure_apart(attempt: Attempt, exact: Attempt, samples: int = 41) -> float
 def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
     """Tables (title, columns): results, their deviations from the exact model, ends of zones.
 
-    Each has one line per model and is at most 80 columns wide.
+    Each table has one line per model, of at most 80 characters.
     """
     exact, models = attempts[-1], ("model", [a.name for a in attempts])
 
@@ -208,9 +209,10 @@ def _models(own: Interaction) -> dict[str, Interaction]:
 
 
 def _warm_up(scene: Scene, models: dict[str, Interaction], tol: float) -> None:
-    """Solve a sinusoidal profile with each model, and the scene with the first one, untimed.
+    """Solve a sinusoidal profile with each model, and the scene with the first model, untimed.
 
-    Otherwise the time of the first attempts would contain imports and the profile's preparation.
+    Without this, the times of the first attempts would include imports and the preparation of the
+    profile.
     """
     wave = profile("sinusoid", amplitude=0.01, period=1.0)
     small = Scene(wave, 1.0, interaction("periodic"), mean_pressure=1e-3)

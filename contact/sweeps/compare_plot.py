@@ -1,7 +1,7 @@
-"""One figure of a comparison: exact pressure, difference of each model from it, and solve times.
+"""One figure of a comparison: exact pressure, errors of each model's pressure, and solve times.
 
-The pressures of useful models lie on each other, so their differences are drawn, on a logarithmic
-axis.
+The pressures of good models can hardly be told apart in a figure. So their differences from the
+exact pressure are drawn, on a logarithmic axis.
 """
 
 from typing import Any
@@ -37,7 +37,7 @@ Styles = dict[str, dict[str, Any]]
 
 
 def styles_of(names: list[str]) -> Styles:
-    """Colour and dashes of the line of each model, the exact one last.
+    """Colour and dashes of each model's line, by the model's name; the exact model comes last.
 
     A model with more neighbours has a darker line. The other models differ in dashes, too.
     """

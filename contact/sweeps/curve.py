@@ -16,7 +16,9 @@ from sie import Array
 
 
 class Missed:
-    """The values of a control at which the tolerance was not met, while the others are solved."""
+    """Collects the values of a control at which a solution misses the tolerance.
+    The other values are solved before an error is raised for these values.
+    """
 
     def __init__(self, control: str) -> None:
         self.control = control
@@ -26,9 +28,10 @@ class Missed:
         self.failures.append((float(value), failure))
 
     def refuse(self, solved: int, best: Any) -> None:
-        """Raise NotConverged if values were missed; `best` has the solutions at the other values.
+        """Raise NotConverged if any value missed the tolerance.
 
-        solved: number of the values that were solved.
+        solved: number of values that were solved. best: the attribute `best` of the error, with the
+        solutions at the solved values.
         """
         if not self.failures:
             return
@@ -80,9 +83,7 @@ class Curve:
     def from_previous(
         self, value: float, previous: tuple[CurvePoint, ...], min_tol: float = 0.0
     ) -> Solution:
-        """The solution at a control value, started from the solutions `previous`.
-
-        The last one of these is the nearest.
+        """The solution at a control value, started from the solutions `previous`, the nearest last.
 
         The tolerance is that of the curve, or `min_tol` if that is larger.
         """

@@ -1,14 +1,17 @@
 """The search for all events between two loads of a contact that grows with the load.
 
-The search follows the contact from the lower load, from event to event. Let s be ln(load). Rates
-(derivatives by s) predict the next event. With the zones that exist on one side of an event, its
-condition is a smooth function of s, and its values and derivatives at few loads give its zero by
-inverse Hermite interpolation. Each value takes one solution with a fixed number of zones; mostly
-two solutions suffice. The last of them is the contact at the event, from which the search goes on.
-If bodies overlap there, a zone was born before, and the first such birth is located instead.
+An event is the birth of a zone or the merger of two zones. The search follows the contact from the
+lower load, from event to event. The motion of zones and gap, as derivatives by s = ln(load),
+predicts the next event. An event is located as the zero of a condition: a least gap or a least
+pressure. The condition is computed with the zones that exist on one side of the event, so that it
+is a smooth function of s. Its values and derivatives at a few loads give its zero by inverse
+Hermite interpolation. Each value takes one solution with a fixed number of zones; mostly two
+solutions suffice. The last solution is the contact at the event, and the search goes on from it. If
+bodies overlap in it, a zone was born at a smaller load, and the first such birth is located
+instead.
 
-A kind of event is a class: its name, the zones with which its condition is smooth, the condition,
-and the zones after it (`Birth`, `Merger`).
+Each kind of event is a class (`Birth`, `Merger`) with a name, the condition, the zones that are
+used for the condition, and the zones after the event.
 """
 
 from __future__ import annotations
@@ -79,7 +82,7 @@ class Birth:
     """The birth of a zone: a minimum of the gap, computed without the new zone, falls to zero.
 
     place: scaled place of the minimum. reach: distance from this place within which the minimum is
-    sought. at: predicted ln(load). known: the condition where it is known, see `Value`.
+    sought. at: predicted ln(load). known: computed values of the condition.
     """
 
     place: float
@@ -114,11 +117,11 @@ class Birth:
 
 @record
 class Merger:
-    """The merger of two zones. It happens at the load at which a least pressure is zero.
-    This is the pressure between the two zones, computed as if they were one zone.
+    """The merger of two zones, at the load at which the least pressure between them is zero.
+    This pressure is computed as if the two zones were one zone.
 
-    place: scaled middle of the gap. reach: half its width with a margin. at: predicted ln(load).
-    known: the condition where it is known.
+    place: scaled middle of the gap. reach: half the width of the gap with a margin. at: predicted
+    ln(load). known: computed values of the condition.
     """
 
     place: float
@@ -143,7 +146,7 @@ class Merger:
 
     def tables(self, zones: Array, place: float, period: float | None) -> tuple[Array, Array]:
         """The zones before and after the merger.
-        `zones` are those in which the two zones are one.
+        `zones`: the zones after the merger, in which the two zones are one.
         """
         place = float(sie.wrapped(np.array(place), float(zones[0, 0]), period))
         k = int(np.searchsorted(zones[:, 0], place, side="right")) - 1
@@ -171,9 +174,10 @@ Awaited = Birth | Merger
 class PathPoint(sie.Kept):
     """A contact on the path of growing loads, given by its pressure and gap.
 
-    at: ln(scaled load). born: zones of no width that are to be added, one row each (k, 3): scaled
-    place, rate at which bodies overlap there without the zone, half the second derivative of the
-    gap. pieces: intervals (m, 2) that come into contact up to the higher load.
+    at: ln(scaled load). born: zones that begin at this load and have no width yet, one row each
+    (k, 3). A row has the scaled place, minus the derivative of the least gap by ln(load), and half
+    the second derivative of the gap by place. pieces: intervals (m, 2) that are open here and in
+    contact at the higher load.
     """
 
     fields: Fields
@@ -187,7 +191,7 @@ class PathPoint(sie.Kept):
 
     @cached_property
     def samples(self) -> tuple[Array, Index, Array]:
-        """Sample places in the intervals `pieces`, the number of the interval, and the gap there.
+        """(places, index of the interval, gap) of samples in the intervals `pieces`.
         Samples at which the gap is round-off are left out.
         """
         found, rows = [NOWHERE], []
@@ -210,16 +214,16 @@ class PathPoint(sie.Kept):
 
     @property
     def overlaps(self) -> Array:
-        """Places of the local minima of the gap where the gap may be negative.
-        It may be negative at the sample itself or between it and the next ones.
+        """Places of the local minima of the sampled gap near which the gap may be negative.
+        It may be negative at the sample itself, or between this sample and its neighbours.
         """
         x, _, gap = self.samples
         return x[self._minima(gap) & (reaches(-gap) > 0.0)]
 
     @property
     def touches(self) -> tuple[Array, Array]:
-        """Places that come into contact before the places around them, and when.
-        The second array is the ln(load) of the contact, predicted with the present rate of the gap.
+        """Places that come into contact before the places around them, and the ln(load) of contact.
+        This ln(load) is predicted with the present derivative of the gap by ln(load).
         """
         x, _, gap = self.samples
         with np.errstate(divide="ignore"):
@@ -262,9 +266,9 @@ class PathPoint(sie.Kept):
     def table(self, at: float, joined: Array) -> Array:
         """First guess of the scaled zones at another ln(load).
 
-        Middles and squared half widths of zones and gaps are linear in ln(load); an end is taken
-        from the narrower of the zone and the gap that it bounds. joined: scaled places in gaps that
-        are closed there. Zones of no width grow.
+        Middles and squared half widths of zones and gaps are linear in ln(load). An end is taken
+        from the zone or the gap that it bounds, whichever is narrower. joined: scaled places in
+        gaps that are closed at the other load. Zones in `born` get a width.
         """
         (middle, half), (place, room) = (self._moved(motion, at) for motion in self.motions)
         width, gap = (motion.values[1] for motion in self.motions)
@@ -285,7 +289,7 @@ class PathPoint(sie.Kept):
 
     def _moved(self, motion: Motion, at: float) -> tuple[Array, Array]:
         """Extrapolated middles and half widths of zones or gaps at another ln(load).
-        No interval gets the width zero.
+        The half widths have a lower limit, so that no interval gets the width zero.
         """
         middle, square = motion.values + (at - self.at) * motion.rates
         return middle, np.sqrt(np.maximum(square, SEARCH.doubtful_part**2 * motion.values[1]))
@@ -336,9 +340,10 @@ class Minimum:
 def local_minimum(
     function: Callable[[Array], Array], first: float, last: float, place: float, tips: Array
 ) -> Minimum:
-    """The local minimum of a function in an interval; of several, the one nearest to `place`.
+    """The local minimum of a function in an interval; if there are several, the nearest to `place`.
 
-    Its value is infinite if there is none. tips: places at which the function may have a kink.
+    The value is infinite if there is no minimum. tips: places at which the function may have a
+    kink.
     """
     if not first < last:
         return Minimum(place, np.inf, 1.0)
@@ -486,7 +491,7 @@ class EventSearch:
     def _next(self, here: PathPoint) -> Awaited | Renewal | None:
         """The event that is predicted next; None if no further event is expected.
 
-        Far from here, the contact is solved before events are predicted.
+        If no event is predicted within `EventOptions.max_step`, the contact is solved there first.
         """
         left, due = self.end - here.at, self._changes(here)
         if left <= 0.0:
@@ -512,24 +517,24 @@ class EventSearch:
         return Renewal(here.at + 0.5 * left) if self._hides(here, left) else None
 
     def _hides(self, here: PathPoint, left: float) -> bool:
-        """Whether a zone may be born and merge below the higher load although no event is expected.
+        """Whether a zone may be born, and merge with another zone, without being predicted.
 
         left: difference of ln(load) up to the higher load.
         """
         return left > SEARCH.rough and unexplained(here.ends, self.after, left, here.period)
 
     def _births(self, here: PathPoint) -> list[Birth]:
-        """Predicted births, at places that touch before the places around them.
+        """Predicted births, at the places `touches` that touch before the places around them.
         All these places are in contact at the higher load.
         """
         return [Birth(x, self.reach, at) for x, at in zip(*here.touches, strict=True)]
 
     def _mergers(self, here: PathPoint) -> list[Merger | Renewal]:
-        """Predicted mergers: gaps that close and are in contact at the higher load.
-        Also loads at which newly born zones become wide.
+        """Predicted mergers, in gaps that are in contact at the higher load and become narrower.
+        Also `Renewal`s at loads at which newly born zones have become wide.
 
-        The gaps beside zones of no width have no rates. Before these zones are half as wide as the
-        gaps, the contact is solved anew.
+        The motion of a gap beside a newly born zone is unknown. Before the zone is half as wide as
+        the gap, the contact is therefore solved again.
         """
         gaps = gaps_between(here.zones, here.period)
         closes = gaps[self._zone_over(gaps.mean(axis=1)) >= 0]
@@ -585,10 +590,10 @@ class EventSearch:
     def _located(
         self, here: PathPoint, awaited: Awaited | Renewal
     ) -> tuple[list[Event], PathPoint]:
-        """The next events and the contact after them.
-        The contact is solved with the zones that belong to the condition of `awaited`.
+        """The next events, and the contact after them.
+        The contact is solved with the zones that are used for the condition of `awaited`.
 
-        There is no event if none is found up to the load at which the contact is solved.
+        The list is empty if no event is found up to the load at which the contact is solved.
         """
         at, base, joined = min(awaited.at, self.end), here, awaited.joined
         watched = [] if isinstance(awaited, Renewal) else [Watched(awaited)]
@@ -606,7 +611,8 @@ class EventSearch:
                     raise WrongTopology("zones are born at unknown loads", None)
                 return [], point
             before, error = error, abs(zero - at)
-            # The order of convergence is above two, so the next error is far below this estimate.
+            # `left` is an estimate of the error of `zero`. Inverse Hermite interpolation converges
+            # with an order of nearly three.
             left = error * min(error / before, 1.0) ** 3 if np.isfinite(before) else error
             if left <= SEARCH.least_error:
                 return self._events_at(here, point, watched, zero)
@@ -650,8 +656,9 @@ class EventSearch:
         """The birth, with its condition (the least gap) at the contact `here`.
         None if the gap has no minimum there.
 
-        If zones have just been born at `here`, its rates are about to change. The condition there
-        then serves for the prediction only, and is not kept as a known value.
+        If zones have just been born at `here`, the rates (derivatives by ln(load)) at `here` are
+        about to change. The condition then serves for the prediction only, and is not kept as a
+        known value.
         """
         one = Watched(birth)
         one.look(here)

@@ -1,9 +1,10 @@
 """A test for events that two loads with the same number of zones may hide between them.
 
 A zone may be born and merge with a neighbour between two loads. The numbers of zones at both loads
-do not show it. While the zones stay the same, their ends move smoothly, at rates known at both
-loads. When two zones merge, an end jumps. So the distance that an end has moved is compared with
-the trapezoidal rule for its rate; a disagreement asks for a load in between.
+do not show this. While the zones stay the same, their ends move smoothly, at rates (derivatives by
+ln(load)) that are known at both loads. When two zones merge, an end jumps. So the distance that an
+end has moved is compared with the integral of its rate by the trapezoidal rule. If they disagree, a
+solution at a load in between is needed.
 
 Next to a narrow zone or gap an end moves like the square root of the distance to the load of its
 birth or closure. The rate of such an end, times the width of that zone or gap, varies slowly and is
@@ -24,16 +25,16 @@ from sie import Array, record
 
 @dataclass(frozen=True)
 class HiddenOptions:
-    """Limits within which the displacement of a zone end agrees with its prediction.
+    """Limits within which the motion of a zone end agrees with its prediction.
     The prediction uses the end's rates, which are derivatives by ln(load).
     """
 
-    # If an end's rates (derivatives by ln(load)) at two loads differ by more than this factor, its
-    # displacement between the loads cannot be predicted from the rates.
+    # If an end's rates at two loads differ by more than this factor, its displacement between the
+    # loads cannot be predicted from the rates.
     max_rate_ratio: float = 1.5
-    # Bound of the relative error of an end's displacement that is predicted from its rates
-    # (derivatives by ln(load)). If the rates are smooth and the loads differ by less than a third,
-    # the actual error is several times smaller.
+    # Bound of the relative error of an end's displacement that is predicted from its rates. If the
+    # rates are smooth and the loads differ by less than a third, the actual error is several times
+    # smaller.
     rate_error: float = 0.1
 
 

@@ -1,14 +1,15 @@
 """Figures of load paths.
 
-Without adhesion: contact and approach against the load. Contact is the contact fraction, or the
-width in contact without a period. Events are vertical lines and marks on the curve. A falling load
-is drawn dashed and red, since its curve lies on that of the rising load.
+Without adhesion: contact fraction and approach against the load; without a period, the width in
+contact replaces the contact fraction. Events are vertical lines and marks on the curve. The curve
+of a falling load is dashed and red, since it lies on the curve of the rising load.
 
 With adhesion: load against approach, with dotted jumps, and the surfaces just before pull-off (at
-the last value if there is no pull-off). Without an approach, the abscissa is the contact.
+the last value if there is no pull-off). If approaches are undefined, the abscissa is the width in
+contact.
 
-Small dots are the computed contacts. Lines between them are straight without adhesion, and monotone
-cubics with adhesion, where the computed equilibria may be far apart.
+Small dots are the computed contacts. The lines between them are straight without adhesion. With
+adhesion the computed equilibria may be far apart, and the lines are monotone cubics.
 """
 
 from collections.abc import Sequence
@@ -105,7 +106,7 @@ def _draw_events(
     curve: tuple[Array, Array],
     factors: tuple[float, float],
 ) -> None:
-    """Draw a mark on the curve for each event, and a vertical line at its load.
+    """Draw a mark on the curve for each event, and a vertical line at the load of the event.
     If there are many events, the line is only a short tick at the lower edge of the panel.
 
     Marks under a falling load are larger and hollow, so that marks under the rising load stay
@@ -194,8 +195,8 @@ def draw_curve(
 ) -> None:
     """Draw the load against the values `across` of the abscissa, and the jumps of the path.
 
-    across [m] and load: (n,), nan at jumps; rises: whether the control rises, (n,); jumps: (kind,
-    abscissa and load before, abscissa and load after); label: of the abscissa.
+    across [m] and load [N/m]: (n,), nan at jumps; rises: whether the control rises, (n,); jumps:
+    (kind, abscissa and load before, abscissa and load after); label: label of the abscissa.
     """
     far = np.nanmax(np.abs([*across, *(a for _, *both in jumps for a in both[::2]), 0.0]))
     high = np.nanmax(np.abs([*load, *(p for _, *both in jumps for p in both[1::2]), 0.0]))
@@ -232,8 +233,8 @@ def draw_curve(
 def _through(points: Array) -> tuple[Array, list[int]]:
     """Points (m, 2) of a smooth curve through given points (n, 2), and their indices among the m.
 
-    Both coordinates are monotone between two given points. As measured, the distance of this curve
-    from the true curve of equilibria is a tenth of that of straight lines.
+    Both coordinates are monotone between two given points. According to measurements, this curve is
+    ten times closer to the true curve of equilibria than straight lines are.
     """
     spans = np.ptp(points, axis=0)
     steps = np.diff(points, axis=0) / np.where(spans > 0.0, spans, 1.0)

@@ -15,7 +15,7 @@ from contact.sweeps.points import NUMBERS
 
 Column = tuple[str, list[str]]
 
-# Numbers in the table, each with its count of digits.
+# Quantities in the table, each with its number of significant digits.
 _SHOWN = {
     "load": 4,
     "mean_pressure": 4,
@@ -28,15 +28,17 @@ _SHOWN = {
     "zone_count": 5,
     "error": 2,
 }
-# Columns dropped in this order until the table fits, as the other columns show nearly the same.
+# Columns that are dropped, in this order, until the table is narrow enough. Other columns tell
+# nearly the same.
 _SPARE = ("mean_gap", "mean_pressure", "stiffness", "load")
 
 
 def value_columns(found: Path) -> dict[str, Column]:
     """Columns (header, cells) of a path by name, with a row for each value of the control.
 
-    Where surfaces adhere, the column of the control has the given values, since separated surfaces
-    do not bear a given load. With a spring, these values have a column of their own.
+    If surfaces adhere, the column of the control has the given values and not those of the
+    solutions, since separated surfaces do not bear a given load. With a spring, the given values
+    have a separate column.
     """
     known: dict[str, list[float]] = columns(found.solutions)
     apart = np.array([is_apart(solution) for solution in found.solutions])

@@ -20,14 +20,14 @@ class Event:
     Parameters
     ----------
     kind : str
-        birth, death, merge, split or full; of plateaus onset and join.
+        birth, death, merge, split or full; onset or join if plateaus change.
     load : float
         The load at the event [N/m].
     position : float
-        The place on the profile [m].
+        The place of the event on the profile [m].
     before, after : ndarray
         The zones [m], (n, 2), just before and just after the event along the path; (0, 2) in full
-        contact. For onset and join they are the plateaus.
+        contact. For the kinds onset and join they are the plateaus.
     error : float or None
         Bound of the relative error of the load; None where it is not stated.
 

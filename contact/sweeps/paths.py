@@ -3,17 +3,17 @@
 An event is a change of the number of zones. Frictionless contact grows with the load: every zone at
 a load lies inside a zone at any higher load. So a zone of the higher load that contains no zone of
 the lower load was born in between. A zone that contains several zones of the lower load was merged
-from them. Each event is located by a condition of its own, with the number of zones fixed and the
-signs not checked:
+from them. Each kind of event has a condition that is zero at the load of the event. The condition
+is computed with a fixed number of zones, and signs of pressure and gap are not checked:
 
-    birth (death)   the least gap at the place of the new zone is zero, without that zone,
-    merge (split)   the least pressure between the two zones is zero, with the two already one,
-    full            the least pressure of full contact is zero (contact.formulation.full_contact).
+    birth (death)   the least gap at the place of the new zone, computed without that zone,
+    merge (split)   the least pressure between the two zones, computed as if they were one zone,
+    full            the least pressure of full contact (contact.formulation.full_contact).
 
-The names hold for a rising load; for a falling load the same event is a death or a split. Deaths
-and splits under a rising load are looked for in two cases. At a given moment the body turns as the
-load grows and may lift off on one side. On bodies other than the half-plane, contact is not known
-to grow.
+The names hold for a rising load; for a falling load the same event is a death or a split. Under a
+rising load, deaths and splits are looked for in two cases. If a moment is given, the body turns as
+the load grows and may lift off on one side. On bodies other than the half-plane, it is not known
+whether contact grows with the load.
 """
 
 import json
@@ -68,7 +68,7 @@ class PathOptions:
     def retries_beyond(self) -> tuple[float, ...]:
         """Relative distances outside two nearly equal loads at which an event is sought.
 
-        The two loads are equal except for round-off. Round-off can give a certified sign the wrong
+        The two loads differ by less than `same`. Round-off can give a certified sign the wrong
         value, so that the event between the loads seems to lie beyond them.
         """
         return tuple(np.geomspace(self.same, self.negligible, 5))
@@ -87,7 +87,7 @@ OPTIONS = PathOptions()
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
 
 
-# The module that writes a path as text. It is imported where it is asked for.
+# The module that writes a path as text. It is imported when it is first needed.
 _REPORT = "contact.sweeps.path_report"
 
 
@@ -334,11 +334,11 @@ class PathSearch:
 
 
 def _just_beyond(change: Change, side: Solution, other: Solution) -> float | None:
-    """A load just beyond the event; None if it is not between the loads of `side` and `other`.
+    """A load slightly farther from `side` than the event; None if it is not between both solutions.
 
-    The load is predicted from the rates of the ends in the solution `other`. The square of the
-    width of a zone (a gap) is linear in the logarithm of the load as the zone appears (the gap
-    closes). The rate of this square gives the load at which the width is zero.
+    The event is predicted from the motion of ends in the solution `other`. Near a birth (a merger),
+    the square of the width of the new zone (the gap) is linear in ln(load). The rate of this square
+    gives the load of the event, at which the width is zero.
     """
     found, period = ends_and_rates(other), other.scene.period
     if found is None:
@@ -387,8 +387,8 @@ class _Condition:
             else GapForm(self.problem, fields.relief)
         )
         # The keys of this table are scaled loads, the values are the zones (or gaps) at these
-        # loads. The second entry is for a load close to the first one. Its zones are extrapolated
-        # by the rates of the ends (derivatives by ln(load)).
+        # loads. The second load is close to the first load. Its zones are extrapolated with the
+        # rates of the ends (derivatives by ln(load)).
         load, table = fields.load / fields.problem.units.load, fields.solved_zones.table
         self.tables: dict[float, Array] = {
             load: table,
@@ -397,10 +397,10 @@ class _Condition:
         self.where = _scaled(fields, change.where)
 
     def start(self, load: float) -> Array:
-        """Initial zones (or gaps) at a load, extrapolated from those at the two nearest loads.
+        """Initial zones (or gaps) at a load, extrapolated from the two nearest stored loads.
 
-        If the extrapolation changes the width of some zone or gap by more than a factor of two,
-        those at the nearest load are used.
+        If the extrapolation changes the width of some zone or gap by more than a factor of two, the
+        zones (or gaps) of the nearest stored load are used.
         """
         near, far = sorted(self.tables, key=lambda known: abs(known - load))[:2]
         first = self.tables[near]

@@ -1,14 +1,15 @@
 """Events of a load path under a limit of the pressure, in addition to those of elastic contact.
 
-Contacts and plateaus grow with the load, and so does the pressure everywhere. So the contact under
-a load does not depend on the loads before. An event is located by a condition of its own, with all
-other contacts and plateaus as they are on one side of it, and the signs not checked:
+Where the pressure reaches the limit, there are plateaus. Contacts, plateaus and the pressure at
+every place grow with the load. So the contact under a load does not depend on earlier loads. Each
+kind of event is located by a condition. The condition is computed with fixed numbers of contacts
+and plateaus, and signs of pressure and gap are not checked:
 
     birth   the least gap at the place of the new contact is zero, without that contact,
-    merge   the least pressure between the two contacts is zero, with the two already one,
+    merge   the least pressure between two contacts is zero, computed as if they were one,
     full    the same for the last gap of the period,
     onset   the largest pressure at the place of the new plateau is the limit, without that plateau,
-    join    the least overlap between the two plateaus is zero, with the two already one.
+    join    the least overlap between two plateaus is zero, computed as if they were one.
 
 A contact that begins at a convex kink has a plateau from the beginning: two events at one load.
 """
@@ -41,10 +42,11 @@ from sie import Array, nearest_image, record
 
 @record
 class Change:
-    """A change between two loads. where: the new interval, or the one that closes [m].
+    """A change of the number of contacts or plateaus between two loads.
 
-    of_contacts: whether the contacts change, else the plateaus. begins: whether an interval begins,
-    else two become one.
+    where: the new interval, or the interval between two that join [m]. of_contacts: true if the
+    contacts change, false if the plateaus do. begins: true if an interval begins, false if two
+    intervals join.
     """
 
     kind: str
@@ -61,7 +63,7 @@ class PlasticPath(PathSearch):
             return super()._events(low, high)
         found = _changes(low, high)
         step = (high.load - low.load) / high.load
-        # Close to the largest load (`bearing`), plateaus vary with the distance from this load.
+        # Close to the largest load (`bearing`), plateaus depend on the distance from this load.
         left, last = (bearing(low.scene) - one.load for one in (low, high))
         far = max(high.load / low.load, left / last if np.isfinite(left) else 1.0)
         hides = far > OPTIONS.max_load_ratio or (step > OPTIONS.negligible and _may_hide(low, high))
@@ -92,7 +94,7 @@ class PlasticPath(PathSearch):
         return self._divided(low, high, (low.load, high.load))
 
     def _divided(self, low: Solution, high: Solution, between: tuple[float, float]) -> list[Event]:
-        """The events, with one more solution at a load between two others.
+        """The events between two solutions, found by means of one more solution at a load between.
 
         Close to an event a solution may not converge. Then another load is tried.
         """
@@ -118,7 +120,7 @@ class PlasticPath(PathSearch):
 
 
 def bearing(scene: Scene) -> float:
-    """The load [N/m] at which all of the surface is one plateau; inf for an endless one."""
+    """The load [N/m] at which all of the surface is one plateau; inf for an endless surface."""
     return scene.law.pressure_range.highest * bearing_width(scene)
 
 
@@ -135,8 +137,8 @@ def _changes(low: Solution, high: Solution) -> list[Change]:
     ):
         names = ("birth", "merge") if of_contacts else ("onset", "join")
         for one in changes(before, after, period, True, OPTIONS.negligible):
-            # For an interval that closes, `changes` gives the place with a margin, which is taken
-            # off here.
+            # If two intervals join, `changes` widens the interval between them by a margin, which
+            # is removed here.
             (a, b), wide = one.where, 0.0 if one.of_gap else MARGIN / (1 + 2 * MARGIN)
             where = a + wide * (b - a), b - wide * (b - a)
             name = names[0] if one.of_gap else names[1]
@@ -145,7 +147,9 @@ def _changes(low: Solution, high: Solution) -> list[Change]:
 
 
 def _may_hide(low: Solution, high: Solution) -> bool:
-    """Whether some end of a contact or plateau moved in another way than its rates predict."""
+    """Whether an end of a contact or plateau moved in another way than its rates predict.
+    A rate is a derivative by ln(load).
+    """
     if len(low.zones) and len(high.zones) and may_hide(low, high):
         return True
     before, after = low.fields, high.fields
@@ -159,7 +163,9 @@ def _may_hide(low: Solution, high: Solution) -> bool:
 
 
 def _without_tips(found: list[Change], low: Solution) -> tuple[list[Change], list[Change]]:
-    """(all other changes, onsets of plateaus that begin at convex kinks together with contacts)."""
+    """Split `found` into (all other changes, onsets of plateaus at tips).
+    A tip is a convex kink at which a contact begins; it has a plateau from the beginning.
+    """
     kinks = low.scene.profile.kinks
     tips, period = kinks[kinks[:, 1] > 0, 0], low.scene.period
     born = [change for change in found if change.kind == "birth"]
@@ -183,7 +189,7 @@ def _within(x: float, where: tuple[float, float], period: float | None) -> bool:
 def _at_births(
     at_tips: list[Change], events: list[Event], low: Solution, high: Solution
 ) -> list[Event]:
-    """The onset events of plateaus at tips, which are at the births of the contacts around them."""
+    """The onset events of plateaus at tips, at the loads at which contacts are born there."""
     return [
         Event("onset", one.load, one.position, low.plateaus, high.plateaus, error=one.error)
         for change in at_tips
@@ -212,7 +218,7 @@ def _located(change: Change, low: Solution, high: Solution) -> Event | None:
 
 
 def _onset_in_full_contact(low: Solution, high: Solution) -> Event:
-    """The first plateau in full contact, whose pressure rises evenly with the load."""
+    """The onset of the first plateau in full contact, where all pressures rise by equal amounts."""
     assert low.scene.period is not None
     rise = low.scene.law.pressure_range.highest - low.max_pressure
     load = float(low.load + rise * low.scene.period)
@@ -232,7 +238,7 @@ class _Condition:
 
     def __init__(self, change: Change, fields: PlasticFields, side: Solution) -> None:
         self.change, self.problem, self.limit = change, fields.problem, fields.limit
-        # Contacts and plateaus at the loads [N/m] so far, the first guesses of the next ones.
+        # Contacts and plateaus at all loads [N/m] that were solved; they start further solutions.
         self.spots: dict[float, Spots] = {side.load: spots_of(fields.problem, side)}
         self.values: dict[float, tuple[float, float]] = {}
         self.position = 0.0
@@ -251,10 +257,10 @@ class _Condition:
         return self.values[load][0]
 
     def _check_states(self, fields: PlasticFields) -> None:
-        """Raise WrongTopology if the place of the event is in another state (gap, contact or
-        plateau) than this event needs.
+        """Raise WrongTopology unless the place of the event is in the state that the event needs.
 
-        Far from the event, Newton's method may move a gap or an elastic interval to it.
+        The states are gap, elastic contact and plateau. At a load far from the event, Newton's
+        method may move another gap or elastic interval to this place.
         """
         x = self.places[1:-1]
         touches, yields = fields.inside(x), fields.on_plateaus(x)
@@ -267,7 +273,9 @@ class _Condition:
             raise WrongTopology("another contact or plateau has come to the place", None)
 
     def _at(self, fields: PlasticFields, x: Array) -> Array:
-        """Value that is positive in the right state: gap, pressure, limit - pressure or overlap."""
+        """The function whose least value is the condition of the event.
+        Depending on the event, it is the gap, the pressure, limit - pressure, or the overlap.
+        """
         if self.change.of_contacts == self.change.begins:
             gap = fields.formal_gap(x)
             return gap if self.change.begins else -gap
@@ -284,7 +292,9 @@ class _Condition:
         return float(pressure * width + fields.gap_rounding)
 
     def error_at(self, root: float) -> float:
-        """Bound of the relative error of the load at the zero, by the rate of the condition."""
+        """Bound of the relative error of the load `root` of the event.
+        It is the error of the condition divided by the condition's derivative by the load.
+        """
         near, other = sorted(self.values, key=lambda load: abs(load - root))[:2]
         (value, error), (beyond, _) = self.values[near], self.values[other]
         rate = abs((value - beyond) / (near - other))

@@ -1,4 +1,4 @@
-"""A solution as one point of a curve: its numbers by name, in SI units."""
+"""The main numbers of a solution, by name and in SI units, as one row of a table."""
 
 from math import nan
 

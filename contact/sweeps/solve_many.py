@@ -50,9 +50,9 @@ def solve_many(
     progress : callable or None
         Called with (stage, done, total or None).
     workers : int or None
-        Number of processes; 1: this one only; None: one per processor. Several processes pay when
-        the solves take many seconds. A script that asks for more than one must call this function
-        under `if __name__ == "__main__":`.
+        Number of processes; 1: this process only; None: one process per processor. Several
+        processes save time if the solves take many seconds. A script that asks for more than one
+        process must call this function under `if __name__ == "__main__":`.
 
     Returns
     -------
@@ -134,8 +134,8 @@ def _in_processes(
     ]
     solvers = min(workers or processors(), len(left) // 2)
     if solvers > 1:
-        # Each of n processes solves every n-th value in ascending order. It starts each solution
-        # from the previous one that it has found. So all processes take about the same time.
+        # Each of n processes solves every n-th value, in ascending order, so that all processes
+        # take about the same time. A process starts each solution from its previous one.
         chunks = [
             Chunk.of_curve(curve.control, left[first::solvers], values) for first in range(solvers)
         ]

@@ -1,1 +1,1 @@
-"""Tangential loads. A context comes in, contacts that slide go out."""
+"""Contacts in full sliding: a `SolveContext` comes in, zones with their stated error go out."""

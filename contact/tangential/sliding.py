@@ -1,9 +1,9 @@
 """Contact of elastically different bodies in full sliding, from the zones without friction.
 
-The terms with kappa (the coefficient of the pressure in the equation) do no work in a variation of
-the pressure with itself, so that the inequality problem is as monotone as without friction, and its
-zones are unique. The contact without friction under the same control is the first guess. Nearly
-full contact is solved by its gaps.
+Let kappa be the coefficient of the pressure in the equation. The terms with kappa add nothing to
+the quadratic form of the pressure. So the inequalities for pressure and gap are as monotone as
+without friction, and the zones are unique. The first guess is the contact without friction under
+the same control. In nearly full contact the unknown is the slope of the gaps.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ OPTIONS = SlidingOptions()
 
 
 def found(context: SolveContext) -> Outcome:
-    """The contact of the scene of `context`, with its stated error."""
+    """The contact for the scene of `context`, with its stated error."""
     return refined(context, _found(context), _found)
 
 
@@ -127,11 +127,11 @@ def _along_kappa(context: SolveContext, start: Start, failure: Failure) -> Outco
 
 
 def _under_loads(context: SolveContext, first: float) -> Solution | None:
-    """A contact under some load whose approach or contact fraction is close to the wanted one.
-    It is found by a search over loads.
+    """A contact whose approach or contact fraction is close to the wanted one, or None.
+    It is found by a search over loads, which begins at the load `first`.
 
-    first: the load to begin with. A small contact may be merging with its neighbour, so that
-    Newton's method does not converge from the contact without friction.
+    The search is needed if a small zone is about to merge with its neighbour. Newton's method may
+    then fail to converge from the contact without friction.
     """
     scene, fraction = context.scene, context.scene.given_fraction
     goal = scene.held(Quantity.APPROACH) if fraction is None else fraction

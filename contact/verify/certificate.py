@@ -1,10 +1,10 @@
-"""`Certificate`: signs of pressure and gap on the whole line, load balance, one approach.
+"""`Certificate`: signs of pressure and gap on the whole line, load balance, equal approaches.
 
-The pressure is sampled in every zone after division by sqrt(1 - t^2), so that it is positive up to
-the ends. The gap is sampled between the zones, more closely near their ends, and its minima are
-followed between samples. At a small distance d outside an end the gap is (4 A / 3) d^(3/2) /
-(E*/2). The edge slope A is the coefficient of sqrt(d) in the pressure inside the end. So the gap
-next to the end has the sign of A.
+In every zone the pressure p is sampled after division by sqrt(1 - t^2), with the normalised
+position t from -1 to 1. This quotient is positive up to the ends. The gap is sampled between the
+zones, more closely near their ends, and its minima are followed between samples. The edge slope A
+is the coefficient of sqrt(d) in the pressure at the distance d inside an end. At a small distance d
+outside the end, the gap is (2 A / 3) d^(3/2) / (E*/2), so that it has the sign of A.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ _FEW_PLACES = _places(SAMPLING.min_points)
 class Certificate:
     """The results of all checks of a solution, with the values that the checks found.
 
-    smallest_pressure: least value of p / sqrt(1 - t^2) on the zones [Pa]. smallest_gap: least
+    smallest_pressure: least value of p / sqrt(1 - t^2) on the zones [Pa], with the pressure p and
+    the normalised position t in a zone, from -1 to 1. smallest_gap: least
     minimum of the gap between the zones [m], negative where surfaces overlap, 0 if the gap has no
     minimum. points: number of samples. holds: whether all checks pass. gap_rounding:
     effect of rounding on the gap [m]. load_balance: relative error of the load. level_spread:
@@ -56,8 +57,9 @@ class Certificate:
     if the contact is locally stable, and infinite if all ends are fixed at sharp corners. Both,
     intensity and stability, are None under laws with one equilibrium.
 
-    negative, overlaps: scaled intervals (n, 2) where a sign is wrong. lowest: scaled places, values
-    and half second derivatives of the gap's minima (n, 3), see `minima.lowest`.
+    negative, overlaps: scaled intervals (n, 2) in which the pressure (the gap) is negative. lowest:
+    scaled places, values and half second derivatives of the gap's minima (n, 3), see
+    `minima.lowest`.
     """
 
     smallest_pressure: float
@@ -123,9 +125,9 @@ def _allowed_gap(fields: ZoneFields) -> float:
 class Openings(NamedTuple):
     """The results of sampling the scaled gap outside the zones.
 
-    least: smallest gap. overlaps: intervals where the gap is negative (n, 2). rounding: effect of
-    rounding on the gap. points: number of samples. lowest: minima of the gap. on_zones: size of the
-    computed gap on the zones, where the exact gap is zero.
+    least: smallest sampled gap. overlaps: intervals where the gap is negative (n, 2). rounding:
+    effect of rounding on the gap. points: number of samples. lowest: minima of the gap. on_zones:
+    size of the computed gap on the zones, where the exact gap is zero.
     """
 
     least: float | None
@@ -139,13 +141,14 @@ class Openings(NamedTuple):
 def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
     """The results of sampling the scaled gap on the whole line outside the zones.
 
-    unresolved_fraction: fraction of the zones whose ends are not converged; they do not count for
-    `on_zones`.
+    unresolved_fraction: fraction of the zones whose ends are not converged. As large a fraction of
+    the places on the zones, those with the largest gaps, does not count for `on_zones`.
     """
     zones = fields.density.zones
     # The exact gap on the zones is zero, so the gap computed there measures the error of all gaps.
-    # Rims (zones between two different end values) with a width that is smaller than computed are
-    # left out: there the gap would measure the error of the rim's place.
+    # A rim is a zone at whose two ends the pressure has different values. Rims that are narrower
+    # than the width with which they are computed (`depth` is not 0) are left out. On them, the gap
+    # would measure the error of the rim's place.
     wide = np.flatnonzero(zones.depth == 0.0)
     places = (zones.middle[wide, None] + zones.half[wide, None] * chebyshev_nodes(4)).ravel()
     errors = np.abs(fields.formal_gap(places)) if len(places) else np.zeros(1)
@@ -163,10 +166,10 @@ def certify(
 ) -> Certificate:
     """Check the signs of pressure and gap on the whole line, and the load and moment.
 
-    Where signs fail, `negative` and `overlaps` of the certificate are not empty. control: the
-    control under which the contact has to be stable if there are several equilibria; None: the
-    load. At a given half width it need not be stable. unresolved_fraction: see `openings`. signs:
-    the result of `pressure_signs`, if it is known.
+    If a sign is wrong, `negative` or `overlaps` of the certificate is not empty. control: under
+    laws with several equilibria, the contact must be stable under this control; None: the load.
+    Under a given half width the contact need not be stable. unresolved_fraction: see `openings`.
+    signs: the result of `pressure_signs`, if it is known.
     """
     law, units = fields.problem.law, fields.problem.units
     signs, (valleys, left_out) = signs or pressure_signs(fields), _valleys(fields)
@@ -186,9 +189,9 @@ def certify(
     )
     note = unresolved_gaps_note(left_out, "their zones") if left_out else ""
     equilibrium = _equilibrium(fields, control) if law.equilibria.several else None
-    # A rough solution is not tested: its ends move the gap by more than its density's error. If
-    # signs are wrong, the search goes on with other zones. So the test would be in vain, and it
-    # needs the density's error, which takes time.
+    # The gap on the zones is not tested in two cases. In a rough solution, errors of the ends
+    # change the gap by more than the error of the pressure does. If signs are wrong, the search
+    # continues with other zones, and the time for the error of the pressure would be lost.
     tested = not unresolved_fraction and not negative and len(gaps.overlaps) == 0
     if tested and not gaps.on_zones <= _allowed_gap(fields):
         holds = False
@@ -224,7 +227,7 @@ def certify(
 
 
 def least_minimum(least: float, minima: Array) -> float:
-    """The least minimum of the gap between its ends; 0 for a positive gap without a minimum.
+    """The least minimum of all gaps between their ends; 0 if all gaps are positive without minima.
 
     At the ends of zones every gap is zero. So the least sample `least` of a positive gap only shows
     how near to an end the samples lie. minima: see `lowest`.
@@ -242,8 +245,8 @@ def _load_balance(fields: ZoneFields, load: float) -> float:
 
 
 class _Equilibrium(NamedTuple):
-    """Result of the check of an equilibrium: error of the edge intensity, and stability.
-    The edge intensity is the factor of 1/sqrt(distance) in the pressure at an end.
+    """Result of the check of an equilibrium: error of the edge intensities, and stability.
+    An edge intensity is the factor of 1/sqrt(distance) in the pressure at an end.
 
     fault: the checks that fail, in words. note: the checks that hold.
     """
@@ -375,9 +378,9 @@ def bounded_weight(zones: sie.Zones, left: Array, right: Array) -> Array:
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     """(intervals of negative pressure around concave kinks, number of unresolved gaps at kinks).
 
-    At a jump J < 0 of the profile's slope f', the pressure goes to -inf as
-    (E* |J| / 2 pi) ln(distance). So there is a gap, however narrow. The gap is unresolved if it is
-    narrower than the distance of the nearest sample from the kink.
+    At a jump J < 0 of the profile's slope f', the pressure tends to -inf as
+    (E* |J| / 2 pi) ln(distance). So there must be a gap over the kink, however narrow. The gap is
+    unresolved if the pressure is positive at all samples, down to the least distance from the kink.
     """
     density, forcing = fields.density, fields.problem.forcing
     kinks, heights = forcing.kinks
@@ -403,10 +406,10 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
     """Check the sign of the scaled gap on all intervals outside the zones.
 
     Returns the least gap, the intervals of overlap, the rounding, the number of points, and the
-    minima (see `lowest`). Only minima that may be below zero are located between samples. rounding:
-    a gap above -rounding is no overlap, as rounding adds up in the levels of a long row of zones.
-    Far from all zones the samples are uneven and a turned body may touch again, so that all minima
-    are located there.
+    minima (see `lowest`). rounding: a gap above -rounding is no overlap, because rounding adds up
+    from gap to gap in a long row of zones. Only minima that may be below zero are located between
+    samples. Far from all zones the samples are uneven and a turned body may touch again, so that
+    all minima are located there.
     """
     open_ = list(fields.open_intervals())
     intervals, near = [(lo, hi) for lo, hi, _, _ in open_], len(open_)
@@ -448,11 +451,12 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
 
 
 def _closing(gap: Array, place: Index, rounding: float) -> Mask:
-    """Mask of the samples next to a zone whose gap is round-off, up to the first open sample.
+    """Mask of samples next to zones at which the gap is round-off, up to the first open sample.
     A sample is open if its gap is clearly above round-off.
 
     Samples are sorted by interval and place. At a small distance d from a zone, the gap grows as
-    d^(3/2), and has the sign of the pressure's edge slope at the end of the zone.
+    d^(3/2). There it has the sign of the edge slope, the coefficient of sqrt(distance) in the
+    pressure.
     """
     index, first_of = np.arange(len(gap)), np.flatnonzero(np.diff(place, prepend=-1))
     number = np.repeat(np.arange(len(first_of)), np.diff(first_of, append=len(gap)))
@@ -467,8 +471,8 @@ def _finite(gap: Array) -> Array:
 
 
 def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, float]]:
-    """Intervals around runs of samples that fail, up to the next samples that pass.
-    The intervals lie in (lo, hi).
+    """Intervals around runs of samples that fail, each up to the next samples that pass.
+    If no sample passes on one side, the interval ends at `lo` or `hi`.
     """
     return [
         (
@@ -484,8 +488,8 @@ def _samples_in(
 ) -> list[Array]:
     """Positions of the samples of the gap in each of the given intervals.
 
-    Narrow gaps that lie between two zones and contain no convex kink need only the smallest number
-    of samples, and are computed together.
+    Narrow gaps between two zones that contain no convex kink need only the smallest number of
+    samples. The samples of all these gaps are computed together.
     """
     if not intervals:
         return []
@@ -498,8 +502,7 @@ def _samples_in(
     x = np.clip(
         lo[plain, None] + (hi - lo)[plain, None] * _FEW_PLACES, lo[plain, None], hi[plain, None]
     )
-    # In gaps that are as narrow as round-off, some samples coincide. Of equal samples only one is
-    # kept.
+    # In gaps as narrow as round-off, some samples coincide. Only one of these samples is kept.
     differ = np.diff(x, axis=1, prepend=-np.inf) > 0
     every = differ.all(axis=1)
     rows = iter(
@@ -516,7 +519,8 @@ def _samples_between(
 ) -> Array:
     """Positions of samples in (lo, hi): evenly spaced, but closer together towards zones.
 
-    They include convex kinks and the limit of a half-line, as the body may touch exactly there.
+    They include convex kinks and, if (lo, hi) does not end at a zone, its limit there. The body may
+    touch exactly at these places.
     """
     known = fields.problem.profile.resolution is not None and (
         fields.is_bounded or (left_zone and right_zone)
@@ -547,10 +551,10 @@ def _samples_between(
 class Solved:
     """The contact zones (or gaps) that a search has found, with their certificate.
 
-    free: the result of Newton's method. fields: the fields under the load of these intervals.
-    rounds: number of corrections of the intervals. tolerance: tolerance of the ends. control_error:
-    possible error of the control, for all intervals or for each end (n, 2); the subclass states its
-    units.
+    free: the result of Newton's method. fields: pressure, gap and other fields of the contact.
+    rounds: number of corrections of the set of intervals. tolerance: tolerance of the ends.
+    control_error: possible error of the control, for all intervals or for each end (n, 2); the
+    subclass says in which units.
     """
 
     free: sie.Free

@@ -1,12 +1,13 @@
 """The stated error of a solution, and a description of what limits it.
 
-It bounds two relative errors (docs/errors.md): that of the ends, divided by the width of their
-zone, and that of the pressure at equal normalised position, divided by the peak. Errors of ends
-come from the residual of Newton's method, from truncation of the series and from rounding. The
-pressure of a zone follows its ends (`sie.Density.sensitivity`), and is itself in error by
-truncation.
+The stated error bounds two relative errors (docs/errors.md): the error of the ends, divided by the
+width of their zone, and the error of the pressure at equal normalised positions, divided by the
+peak. Errors of ends come from the residual of Newton's method, from truncation of the series and
+from rounding. The pressure has an error because the ends of its zone have errors
+(`sie.Density.sensitivity`), and an error from truncation.
 
-If the gaps are the unknown, the stated error still bounds the errors of the zones and the pressure.
+If the unknown is the slope of the gaps, the stated error still bounds the errors of the zones and
+the pressure.
 """
 
 from __future__ import annotations
@@ -57,8 +58,8 @@ class SolvedZones(Solved):
         follows = ~self.free.narrow_rims
         changes = (ends[:, 0] * by_left + ends[:, 1] * by_right)[follows]
         # The errors of a zone's ends are relative to a length `end_scales`. It is the width of the
-        # zone or, for a rim (a zone between two different end values), the width of the gap or
-        # plateau beside the rim. The factor here makes the errors relative to the zone's width.
+        # zone. For a rim (a zone with different pressures at its two ends), it is the width of the
+        # gap or plateau beside the rim. The factor makes the errors relative to the zone's width.
         changes = changes * (self.free.end_scales / (2 * density.zones.half))[follows]
         moved = float(changes.max(initial=0.0)) / peak
         on_zones = (TOLERANCES.singular_end if singular else 1) * (
@@ -85,9 +86,9 @@ class SolvedZones(Solved):
     def _density_error(self) -> float:
         """Error of the pressure at fixed normalised positions in the zones.
 
-        Narrow rims are left out. On such a rim (a zone between two different end values) the
-        pressure at equal normalised position does not depend on the place and width of the rim. An
-        error of the level of the pressure only moves the rim.
+        Narrow rims are left out; a rim is a zone with different pressures at its two ends. On a
+        narrow rim, the pressure at equal normalised positions does not depend on the place and the
+        width of the rim. A uniform error of the pressure only moves the rim.
         """
         state, narrow = self.fields.state, self.free.narrow_rims
         if not narrow.any():
@@ -114,12 +115,12 @@ class SolvedZones(Solved):
 
 def _bent_rims(found: SolvedZones) -> tuple[Array, Array]:
     """Errors of places (Z, 1) and of the pressure (Z,) that the widths of narrow rims cause.
-    A rim is a zone between two different end values of the density.
+    A rim is a zone with different pressures at its two ends.
 
-    On a narrow rim the pressure is a linear function of the angle arccos(t), from one end value to
-    the other, plus a difference that is proportional to the width. The true width may be less than
-    the width of the zone (`Zones.depth`), or have an error. The force of the difference moves the
-    rim by a share of its width.
+    On a narrow rim the pressure is a linear function of the angle arccos(t), plus a deviation that
+    is proportional to the width; t is the normalised position. The true width may be less than the
+    width of the zone (`Zones.depth`), or have an error. The integral of the deviation moves the rim
+    by a fraction of its width.
     """
     density, scales = found.fields.state.density, found.free.end_scales
     zones, none = density.zones, np.zeros(len(density.zones))
@@ -129,8 +130,8 @@ def _bent_rims(found: SolvedZones) -> tuple[Array, Array]:
     value, width = np.abs(zones.values[:, narrow]).max(axis=0), 2 * zones.half[narrow]
     bent, too_wide = found.free.bent_rims[narrow], -np.expm1(zones.depth[narrow])
     of_width = found.ends[narrow].sum(axis=1) * scales[narrow] / width
-    # An error of the rim's place, counted in widths of the rim, changes the right side by this
-    # share of its variation on the rim.
+    # An error of the rim's place, as a multiple of the rim's width, changes the right side of the
+    # equation by the same multiple of its variation over the rim.
     of_width = found.tolerance + of_width * bent / value
     part = np.minimum(of_width + bent / value * too_wide, 1.0)
     pressures, places = none.copy(), none.copy()
@@ -143,7 +144,7 @@ def _error_of_body(found: SolvedZones) -> float:
     """Relative error due to the smooth part of the body's kernel; 0 for a half-plane.
 
     The smooth part of a thin layer's kernel nearly cancels the half-plane's kernel. Their sum is so
-    small that rounding and the neglected terms of series are large relative to it.
+    small that rounding and the neglected terms of series are large relative to the sum.
     """
     operator = found.fields.problem.operator
     if operator.is_plain or operator.is_own or found.fields.state.density.slit_count:
@@ -168,10 +169,8 @@ def _kernel_rounding(problem: Problem, table: Array) -> float:
 
 
 def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
-    """Message that the kernel of the body limits the accuracy; empty if it does not.
+    """Message that rounding of the body's kernel prevents the tolerance; empty if it does not.
     `table` holds the scaled zones (n, 2).
-
-    It is empty if the tolerance can be reached all the same.
     """
     operator = problem.operator
     if (
@@ -211,10 +210,10 @@ def too_thin(problem: Problem, table: Array) -> str:
 
 
 def position_rounding(found: SolvedZones) -> float:
-    """Rounding error of the ends in the coordinate x [m], divided by the width of each end's zone.
+    """Largest rounding error of an end in the coordinate x [m], divided by the width of its zone.
 
-    Scaled ends of narrow zones far from x = 0 are more precise than x. The rounding is 0 where the
-    digits that it cuts off are stated as well (`Solution.zone_remainders`).
+    Far from x = 0, the scaled ends of narrow zones are more precise than x. The result is 0 if the
+    digits that rounding cuts off are known (`Solution.zone_remainders`).
     """
     if found.fields.problem.forcing.resolution.exact_places:
         return 0.0
@@ -224,10 +223,10 @@ def position_rounding(found: SolvedZones) -> float:
 
 
 def _kink_rounding(density: sie.AnyDensity) -> float:
-    """Rounding error of the pressure, from the logarithms next to kinks.
+    """Rounding error of the pressure, from its logarithms at kinks of the profile.
 
-    The logarithms may cancel to a pressure far below the height of the kinks. Next to an end they
-    are small.
+    The logarithms may nearly cancel each other, and leave a pressure far smaller than each of them.
+    The logarithm of a kink next to an end is small.
     """
     steps = density.jumps
     return 2 * EPS * float((np.abs(steps.height) * steps.sine).max(initial=0.0))
@@ -240,12 +239,12 @@ def _is_singular(density: sie.AnyDensity) -> bool:
 def reference(
     density: sie.AnyDensity, free: sie.End, borne: float | None = None, tips: bool | None = None
 ) -> float:
-    """The pressure by which pressure errors are divided: the peak, or the mean contact pressure.
+    """The pressure by which errors of pressure are divided: the peak, or the mean contact pressure.
 
-    The mean is taken where the peak is infinite. If free ends have a singular tension, the largest
-    p sqrt(1 - t^2) is taken, or its value at the ends if that is larger. free: kind of the free
-    ends. borne: load of all zones, if it is not the density's total. tips: whether convex kinks lie
-    in the zones, if that is known.
+    The mean is taken if the peak is infinite. If free ends have a singular tension, the largest
+    absolute value of p sqrt(1 - t^2) is taken, with the pressure p at the normalised position t;
+    this includes its limits at the ends. free: kind of the free ends. borne: load of all zones, if
+    it is not the density's total. tips: whether convex kinks lie in the zones, if that is known.
     """
     if tips is None:
         tips = bool(np.any((density.jumps.height > 0) & (density.jumps.order == 0)))
@@ -272,7 +271,7 @@ def limit(
     end: sie.End = sie.FREE,
     error: float = 0.0,
 ) -> str:
-    """Message that rounding keeps the ends from the tolerance `tol`; empty if it does not.
+    """Message that rounding prevents ends with the tolerance `tol`; empty if it does not.
 
     of: "zone" or "gap". positions: see `position_rounding`. end: kind of the free ends. error:
     stated error of a contact whose unknowns are the gaps.
@@ -330,8 +329,8 @@ class SolvedGaps(Solved):
     def error_with(self, slopes: float) -> float:
         """The stated error if the profile's slopes have the relative error `slopes`.
 
-        The relief R is proportional to the slopes, and near full contact the mean pressure is
-        nearly the largest R.
+        The relief R (contact.formulation.gaps) is proportional to the slopes. Near full contact,
+        the scaled mean pressure is nearly the largest R.
         """
         if not slopes > 0.0:
             return self.error
@@ -339,9 +338,9 @@ class SolvedGaps(Solved):
 
     @property
     def main_cause(self) -> str:
-        """Message on the error of the relief R; empty if this error is a minor part of the error.
+        """Message about the error of the relief R; empty unless it causes most of the stated error.
 
-        R = G f' is defined in contact.formulation.gaps.
+        The relief is R = G f', see contact.formulation.gaps.
         """
         return self.fields.relief.relief.limit if self._error(0.0) < 0.5 * self.error else ""
 
@@ -355,18 +354,17 @@ class SolvedGaps(Solved):
         distance from the tip. (iii) Close to the gap, where the pressure varies over the width of
         the gap, its relative change is delta divided by this width.
         """
-        # The unknowns of this equation lie on the gaps of the contact. So its zones are these gaps,
-        # and the spaces between its zones are in contact. `sie` can treat a narrow space inside a
-        # wide zone as a slit, with an unknown function in it (sie.slits). It makes no slit if the
-        # total over every zone is given (sie.ZoneTotals), as it is here. So `state` is the solution
-        # on the gaps themselves.
+        # The unknown of this equation lies on the gaps of the contact. So the zones of `sie` are
+        # these gaps, and the spaces between the zones are in contact. `sie` can treat a narrow
+        # space as a slit in a wide zone, with an unknown function in the slit (sie.slits). There
+        # are no slits here, because the total over every zone is given (sie.ZoneTotals). So `state`
+        # is the solution on the gaps themselves.
         fields, state, gaps = self.fields, self.fields.state.whole, self.fields.gap_slope.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
         moved = self.free.end_error + state.end_truncation
-        # A uniform error of the relief R moves the ends like a change of the mean pressure. An
-        # error that is not uniform may move the two ends of a gap in opposite directions, hence the
-        # factor 2.
+        # A uniform error of the relief R moves the ends like a change of the mean pressure. The
+        # factor 2 is for an error that is not uniform.
         mean_error = self.control_error + 2 * of_relief
         if mean_error:
             moved = moved + mean_error * self.widening / width
@@ -379,14 +377,14 @@ class SolvedGaps(Solved):
         if not unit > 0.0:
             return np.inf  # zones so narrow have no sample
         slope = min(fields.steepest / unit, 1 / varies)
-        # If the ends of a gap move, the effect on the pressure decreases with the distance from the
+        # If the ends of a gap move, the change of the pressure falls with the distance from the
         # gap, as (width of the gap / distance)^2.
         seen = (
             np.minimum((gaps.b - gaps.a) / (TOLERANCES.unresolved_distance * fields.period), 1.0)
             ** 2
         )
         near_gaps = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
-        # With kinks (`relief.at`), the pressure contains logarithms that partly cancel. They are
+        # With kinks (`relief.at`), the pressure is a sum of logarithms that partly cancel. They are
         # several times larger than the pressure, so the bound of the rounding is tripled.
         rounding = (3 if len(fields.relief.at) else 1) * TOLERANCES.rounding * (
             1 + abs(fields.mean) / unit
@@ -401,9 +399,9 @@ class SolvedGaps(Solved):
     def _place_error(self) -> Array:
         """Largest possible error of the scaled position of each narrow gap.
 
-        At a smooth maximum of R with curvature k, a narrow gap may lie anywhere where R is within
-        its rounding r of the maximum: up to sqrt(2 r / k) away. The error is 0 for wider gaps and
-        for gaps over kinks.
+        A narrow gap lies at a smooth maximum of the relief R. With the curvature k of R and the
+        rounding r of R, the gap may lie anywhere within sqrt(2 r / k) of this maximum. The error is
+        0 for wider gaps and for gaps over kinks.
         """
         fields, profile = self.fields, self.fields.problem.profile
         gaps, relief = fields.gap_slope.zones, fields.relief
@@ -429,12 +427,11 @@ class SolvedGaps(Solved):
 
     @property
     def _steepest(self) -> Array:
-        """Slope of the pressure next to a tip, for each zone.
+        """Slope of the pressure next to a tip, a convex kink of the profile, for each zone.
         It is taken at the least distance from a tip for which an error is stated.
 
-        A tip is a convex kink of the profile. The slope is J / pi divided by the distance from the
-        tip, with J the largest jump of f' at the tips in the zone. At smaller distances the stated
-        error does not hold.
+        The slope is J / pi divided by the distance from the tip. J is the largest jump of f' at the
+        tips in the zone. At smaller distances the stated error does not hold.
         """
         fields = self.fields
         zones, convex = fields.zones, fields.relief.heights > 0

@@ -1,4 +1,4 @@
-"""Certificate of a nearly full contact whose unknowns were the gaps.
+"""Certificate of a nearly full contact that was solved by the slope of its gaps.
 
 It checks that every gap is open, that pressures are positive in every zone, and that there is a gap
 over every concave kink.
@@ -61,11 +61,11 @@ def _openings(fields: GapFields) -> tuple[Signs, Array]:
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
-    """Check that p / sin(angle) is positive in the zones, with p the pressure.
-    The division removes the zeros of p at the ends of the zones.
+    """Check that p / sin(angle) is positive in the zones, with the pressure p.
+    The normalised position in a zone is cos(angle). The sine removes the zeros of p at both ends.
 
-    Returns the least value, the intervals where it is negative, the least minimum between samples,
-    and the number of points. The minimum is relative to the largest value in its zone.
+    Returns the least quotient, the intervals where it is negative, its least minimum between
+    samples, and the number of samples. The minimum is relative to the largest value in its zone.
     """
     zones = fields.zones
     middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
@@ -110,8 +110,9 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
 class _Samples:
     """Samples of the pressure in all zones, in several runs of neighbouring samples.
 
-    run: index of the run. zone: index of the zone. left, right: distances from its ends divided by
-    its half width. value: pressure divided by the sine of the angle. rough: rounding of `value`.
+    Each sample has these entries. run: index of its run. zone: index of its zone. left, right:
+    distances from the ends of the zone, divided by the half width. value: pressure divided by the
+    sine of the angle. rough: rounding of `value`.
     """
 
     run: Index
@@ -167,8 +168,8 @@ def _sampled(fields: GapFields) -> _Samples:
     left = np.concatenate((left, from_left[inner] / half[inside[inner]]))
     right = np.concatenate((right, from_right[inner] / half[inside[inner]]))
     run = np.concatenate((run, len(of_run) + inside[inner]))
-    # The pressure is a difference of numbers as large as the transform R of the profile's slope.
-    # Next to an end the pressure is small, and may consist only of the rounding of these numbers.
+    # The pressure is a difference of numbers as large as the mean pressure. Next to an end the
+    # pressure is small, and may consist only of the rounding of these numbers.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     over_sine = 1 / fields.bounded_weight(left, right)
     return _Samples(
@@ -177,10 +178,10 @@ def _sampled(fields: GapFields) -> _Samples:
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals of the gaps that the solution lacks, number of unresolved gaps).
+    """Gaps that are missing at concave kinks: (their intervals, number of unresolved gaps).
 
-    There must be a gap at every concave kink. Unresolved gaps are narrower than
-    `TOLERANCES.narrowest_gap` periods.
+    There must be a gap at every concave kink. A gap is unresolved if its half width is below
+    `TOLERANCES.narrowest_gap` periods; such gaps are only counted.
     """
     relief = fields.relief
     kinks = np.flatnonzero((relief.heights < 0) & ~fields.gap_slope.locate(relief.at)[2])
@@ -195,7 +196,7 @@ def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def valley_gaps(fields: GapFields, kinks: Index) -> Array:
-    """Scaled half width of the gap at each of the concave `kinks`; see formulation.gaps."""
+    """Scaled half width of the gap at each of the concave `kinks`; see contact.formulation.gaps."""
     relief = fields.relief
     at, heights = relief.at[kinks], relief.heights[kinks]
     rest = fields.mean - relief.without_own(kinks) + fields.gap_slope.transform(at)

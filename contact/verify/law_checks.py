@@ -1,7 +1,7 @@
-"""The checks that a law asks for. Every solution passes through `held_to_law`, on every route.
+"""The checks of a law of contact. Every solution passes through `held_to_law`.
 
-The signs of pressure and gap are checked where a contact is found, as each formulation samples them
-in its own way. The checks here need the fields only.
+Signs of pressure and gap are checked elsewhere, because each formulation samples them in its own
+way. The checks in this file need only the fields of a solution.
 """
 
 from dataclasses import replace

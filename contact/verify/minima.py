@@ -1,6 +1,6 @@
-"""Signs of a function on intervals, by samples and by minima located between the samples.
+"""Checks of the sign of a function on intervals, by samples and by minima between the samples.
 
-Such minima show a gap inside a zone, or a contact inside a gap, that lies between two samples.
+A minimum between two samples may show a gap inside a zone, or a contact inside a gap.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from sie import Array, Index, Mask, record
 class SamplingOptions:
     """Numbers of samples at which the signs of pressure and gap are checked."""
 
-    min_points: int = 48  # in an interval: three of them in the first hundredth of a gap
+    min_points: int = 48  # least number in an interval; 3 lie in the first hundredth of a gap
     max_points: int = 2**17  # largest number if the profile states its resolution
     max_guessed_points: int = 4000  # largest number if the resolution is a guess
     # Largest number of zooms on a minimum; each zoom narrows the bracket to a quarter or less.
@@ -36,8 +36,8 @@ class Dips:
     """Minima of a function on zones, located between its samples.
 
     negative: (zone, angle from, angle to) of every minimum below -rounding. least: smallest
-    value above rounding. relative: smallest value divided by its zone's scale; inf if there is
-    none. lowest: smallest negative value.
+    value above rounding. relative: smallest ratio of a value to the scale of its zone; inf if there
+    is no minimum. lowest: smallest negative value.
     """
 
     negative: list[tuple[int, float, float]]
@@ -47,7 +47,7 @@ class Dips:
 
 
 def may_be_negative(before: Array, here: Array, after: Array) -> Mask:
-    """Whether a function may be negative between three equidistant samples near its minimum.
+    """Whether a function may be negative between three equidistant samples around a minimum.
 
     The parabola through the samples falls below the middle one by at most an eighth of their second
     difference.
@@ -99,10 +99,10 @@ def zoomed(
     (k,). others: arrays (k,) to be reduced to the rows that remain. Returns the lower and upper
     ends of the brackets, and the reduced arrays.
 
-    A bracket is left out if the parabola through its samples does not fall below -rounding. It is
-    also left out if several samples of its row are below -rounding: these samples show how wide the
-    interval of wrong signs is. A single such sample may stand for an interval much narrower than
-    the spacing.
+    A bracket is left out if the parabola through its samples cannot fall below -rounding. It is
+    also left out if several samples of its row are below -rounding, because these samples show the
+    width of the interval of wrong signs. If only one sample is below -rounding, this interval may
+    be much narrower than the spacing of the samples.
     """
     each, best = np.arange(len(value)), np.clip(np.argmin(value, axis=1), 1, value.shape[1] - 2)
     before, here, after = (value[each, best + k] for k in (-1, 0, 1))
@@ -114,9 +114,9 @@ def zoomed(
 
 
 def lowest(x: Array, value: Array, at: Index) -> Array:
-    """Position, value and half the second derivative of the minimum near each sample `at`.
+    """Position, value and half the second derivative of the minimum near each sample `at` (n, 3).
 
-    They are taken from the parabolas through each sample and its neighbours.
+    They are those of the parabola through the sample and its two neighbours.
     """
     before, after = x[at] - x[at - 1], x[at + 1] - x[at]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -133,9 +133,10 @@ def lowest(x: Array, value: Array, at: Index) -> Array:
 class Signs:
     """Result of the check of a function's signs on several intervals.
 
-    negative: intervals where it is negative, ascending (n, 2). least: the smallest value; a value
-    within its rounding counts with its modulus. dip: least minimum between samples, divided by its
-    interval's scale; inf if there is none. points: number of samples.
+    negative: intervals where the function is negative, in ascending order. least: the smallest
+    value; a value that may be round-off counts with its absolute value. dip: least minimum between
+    samples, divided by the scale of its interval; inf if there is no minimum. points: number of
+    samples.
     """
 
     negative: list[tuple[float, float]]

@@ -1,9 +1,9 @@
-"""Chebyshev nodes, series and transforms on one zone, t = cos(theta) in (-1, 1).
+"""Chebyshev nodes, series and transforms on one zone, with the position t = cos(theta) in (-1, 1).
 
-Densities are sums c_j T_j(t) / sqrt(1 - t^2). Their Cauchy transforms on the zone are sums of
-U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k pi / (n + 1), so
-that U coefficients are a sine transform. Together with the two ends they are the Lobatto nodes of
-the weight 1 / sqrt(1 - t^2).
+Densities are sums of c_j T_j(t) / sqrt(1 - t^2). Their Cauchy transforms on the zone are sums of
+U_{j-1}(t) = sin(j theta) / sin(theta). The nodes are the zeros theta_k = k pi / (n + 1) of U_n. So
+a sine transform of the values at the nodes gives the coefficients of the U_{j-1}. Together with the
+two ends the nodes are the Lobatto nodes of the weight 1 / sqrt(1 - t^2).
 """
 
 from functools import lru_cache
@@ -66,11 +66,11 @@ def u_coefficients(values: Array) -> Array:
 
 
 def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
-    """Coefficients of U_k on zones after a move, from the coefficients g on the zones before it.
+    """Coefficients of U_{k-1} on zones after a move, from the coefficients g before the move.
 
-    The function on a zone is sum g_k U_{k-1}(shift + stretch t), t the coordinate of the moved
-    zone; all tables are (zones, n). Outside (-1, 1) the old series grows without bound. Places
-    farther outside than 1 / n^2 therefore have the value at that distance.
+    The function on a zone is sum g_k U_{k-1}(shift + stretch t), with the coordinate t on the moved
+    zone; both tables of coefficients are (zones, n). Outside (-1, 1) the old series grows without
+    bound. Places farther than 1 / n^2 outside therefore get the value at the distance 1 / n^2.
     """
     n = g.shape[1]
     if n == 0:
@@ -92,7 +92,7 @@ def u_values(g: Array, t: Array) -> Array:
 
 
 def project_rows(values: Array) -> Array:
-    """Coefficients g_k of U_{k-1} of each column of a table of values at the zeros of U_n."""
+    """Coefficients g_k of U_{k-1}, for each column of a table of values at the zeros of U_n."""
     return u_coefficients(values.T).T
 
 
@@ -169,7 +169,7 @@ def edge_part(c: Array) -> tuple[Array, Array]:
 
 
 def slopes_at_ends(c: Array) -> tuple[Array, Array]:
-    """Values of the series sum u_k U_k of `bounded_part` at the ends t = -1 and t = 1.
+    """Values at t = -1 and t = 1 of sum u_k U_k, with the u_k that `bounded_part` gives for `c`.
 
     c_j contributes -2 c_j to u_(j-2), u_(j-4), ..., and U_k(1) = k + 1.
     """

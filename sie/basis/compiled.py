@@ -1,6 +1,6 @@
 """Compiled loops (`sie.loops`) for large sums: when they are loaded, how they use threads.
 
-numba stores the compiled code on the disk: beside the package or in a folder of the user's, or in
+numba stores the compiled code in a folder: beside the package, in the user's cache, or in
 `NUMBA_CACHE_DIR`. The loops release Python's global lock. They run in ordinary threads that end
 with the sum, so that processes may fork at any time.
 """
@@ -18,17 +18,17 @@ import numpy as np
 from sie.basis import lazy
 from sie.basis.data import Index
 
-# Compiled loops are loaded if all sums of a solution together have at least this many terms. To
-# load numba and a stored loop takes 0.3 s; numpy takes about as long to add so many terms.
+# Compiled loops are loaded if all sums of a solution together have at least this many terms.
+# Loading numba and a stored loop takes 0.3 s. In this time numpy adds about as many terms.
 # Insensitive to a factor of four.
 MIN_TERMS = 1 << 28
 # Assumed number of times that a solution computes the same sum: a few dozen steps of GMRES in each
 # of a few steps of Newton's method.
 REPETITIONS = 128
-# A sum that is computed once counts this many times: numpy also computes the data of its terms,
-# such as the arguments of their series, which take some 10 ns a term.
+# A sum that is computed only once counts as this many sums. For it, numpy also computes the data of
+# its terms, such as the arguments of their series, which takes some 10 ns a term.
 ONCE = 8
-# Least number of terms for each thread. To add so many terms takes some 0.3 ms, and to start a
+# Least number of terms for each thread. Adding so many terms takes some 0.3 ms, and starting a
 # thread takes 0.05 ms.
 TERMS_PER_THREAD = 1 << 20
 
@@ -68,8 +68,8 @@ def in_threads(loop: Callable[..., None], starts: Index, *arguments: Any) -> Non
     loop : callable
         Writes to its own items only. It must release Python's global lock most of the time.
     starts : ndarray
-        Number of terms before each of the n items, and of all terms (n + 1,). The parts have about
-        the same number of terms, and at least 2^20. A term takes some 0.3 ns.
+        Number of terms before each of the n items, followed by the number of all terms (n + 1,).
+        The ranges have about the same number of terms, and at least 2^20. A term takes some 0.3 ns.
     arguments
         Further arguments of `loop`.
 

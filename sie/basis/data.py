@@ -31,14 +31,14 @@ DIGITS = 40.0
 def record(cls: type[T]) -> type[T]:
     """Class decorator: an immutable data class whose instances are compared by identity.
 
-    Type checkers see that fields are never set again; nothing checks it at run time. A frozen data
-    class takes three times as long to create, and its instances twice, which matters for the many
-    records of every Newton step.
+    Type checkers report code that sets a field again; nothing is checked at run time. Python's
+    frozen data classes would take three times as long to define, and their instances twice as long
+    to create. This matters for the many records of every Newton step.
 
     Parameters
     ----------
     cls : type
-        A class of fields with annotations, as for ``dataclasses.dataclass``.
+        A class whose fields are annotated, as for ``dataclasses.dataclass``.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def wrapped(x: Array, start: float | Array, period: float | None) -> Array:
     x : ndarray
         Places.
     start : float or ndarray
-        Where the period begins.
+        Start of the interval into which the places are moved.
     period : float or None
         Length of the period; None: nothing repeats, and the places are returned unchanged.
 
@@ -167,10 +167,10 @@ def numbered(counts: Index) -> Index:
 
 
 def by_rows(of: Callable[..., Any], *tables: NDArray[Any], max_rows: int = 2048) -> Any:
-    """The value of a function `of` tables that acts row by row, computed in blocks of rows.
-    A block has at most `max_rows` rows.
+    """The result of a function `of` for long tables, computed in blocks of at most `max_rows` rows.
 
-    Without blocks, intermediate arrays of long tables would not fit into the cache.
+    The function must act on each row alone. Without blocks, its intermediate arrays would not fit
+    into the cache.
     """
     if len(tables[0]) <= max_rows:
         return of(*tables)

@@ -1,8 +1,8 @@
 r"""Chebyshev densities on one interval, with transforms and potentials in closed form.
 
 On an interval of half width w let t = (x - middle)/w = cos(theta) and X = (1 - t^2)^(1/2). A
-density is a sum of T_l / X. It equals (alpha + beta t) / X + X sum u_k U_k. This form keeps its
-digits close to an end where the density vanishes. Off the interval, t is called zeta, and
+density is a sum of T_l / X. It equals (alpha + beta t) / X + X sum u_k U_k. The second form loses
+no digits close to an end where the density vanishes. Off the interval, t is called zeta, and
 
     R = (zeta^2 - 1)^(1/2), about zeta far away,    rho = zeta - R, |rho| < 1,
     -log(rho) = arcosh(zeta).
@@ -16,7 +16,7 @@ digits close to an end where the density vanishes. Off the interval, t is called
 
 These formulas are for the exponent 1/2 (see `sie.basis.weight`). A place on the line is given by
 its distances from both ends divided by w, or by |zeta| - 1. A complex point is given by zeta + 1
-and zeta - 1. This way no digit is lost close to an end.
+and zeta - 1. With t or zeta alone, digits would be lost close to an end.
 """
 
 from collections.abc import Callable, Iterator
@@ -71,11 +71,11 @@ def by_angle(of: Callable[[Array, Array], Array], angle: Array) -> tuple[Array, 
 
 
 def end_changes(slope: Array, at_left: Array, at_right: Array, angle: Array) -> tuple[Array, Array]:
-    """Changes of a density at fixed t per motion of the left, and of the right, end.
-    The motion is measured in widths of the zone.
+    """Changes of a density at fixed t per motion of the left end, and per motion of the right end.
+    Motions are measured in widths of the zone, and are positive to the left.
 
-    slope: derivative of the density by the angle; at_left, at_right: its slopes by the angle from
-    the ends. See `Series.sensitivity` for the formula.
+    slope: derivative of the density by the angle; at_left, at_right: the slopes of the density at
+    the ends, by the angle from each end. See `Series.sensitivity` for the formula.
     """
     tangent = np.tan(0.5 * angle)
     return (slope + at_left) * tangent, (slope - at_right) / tangent
@@ -100,7 +100,7 @@ def excess_of(rate: float) -> float:
 
 
 class Seen:
-    """Base class of points x relative to an interval: zeta = (x - middle) / half width.
+    """Base class of points x in the coordinate zeta = (x - middle) / half width of an interval.
     root = sqrt(zeta^2 - 1) and rho = zeta - root are functions of this coordinate.
     """
 
@@ -158,7 +158,7 @@ class Seen:
 
 @record
 class Outside(Seen):
-    """Points x outside intervals, as sign and |zeta| - 1 of zeta = (x - middle) / half width."""
+    """Points x outside intervals, given by the sign of zeta and by |zeta| - 1 (see `Seen`)."""
 
     sign: Any
     excess: Array
@@ -247,11 +247,11 @@ def complex_of(x: Any, y: Any) -> Complex:
 
 @record
 class InPlane:
-    """Complex points x + iy, y >= 0, in coordinates relative to an interval, one for each point.
+    """Complex points x + iy, y >= 0, each in the coordinate zeta of its own interval.
 
-    With zeta = (x + iy - middle) / half width, left = zeta + 1 and less = zeta - 1. Their square
-    roots p and m lie in the first quadrant. Then sqrt(zeta^2 - 1) = p m. For rho = zeta -
-    sqrt(zeta^2 - 1), rho = 2 / (p + m)^2 and 1 - rho = 2 m / (p + m).
+    With zeta = (x + iy - middle) / half width, left = zeta + 1 and less = zeta - 1. The square
+    roots p of `left` and m of `less` lie in the first quadrant. Then sqrt(zeta^2 - 1) = p m, and
+    rho = zeta - sqrt(zeta^2 - 1) is 2 / (p + m)^2, and 1 - rho is 2 m / (p + m).
     """
 
     left: Complex
@@ -322,7 +322,8 @@ def of_t(
 ) -> Number:
     """Transform (or its derivative, or potential) of sum_l c[row, l] T_l / sqrt(1 - t^2).
 
-    w: half width of each interval, for each point; row: row of `c` for each point.
+    what: which of these three. seen: points off the intervals. w: half width of the interval of
+    each point; row: row of `c` for each point. datum: length that divides distances in potentials.
     """
     if what == "potential":
         divided = c / np.maximum(np.arange(c.shape[1]), 1)
@@ -398,7 +399,7 @@ def values_on(
 
     bounded: (alpha, beta, u). left, right: distances from both ends divided by the half width.
     vanishing: whether the density is zero at the left and at the right end of each interval. At
-    such an end, the round-off in alpha and beta is not divided by zero.
+    such an end the first term, which is round-off divided by zero, is left out.
     """
     (alpha, beta, u), root = bounded, root_weight(left, right)
     with np.errstate(divide="ignore", invalid="ignore"):

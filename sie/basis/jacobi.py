@@ -11,18 +11,19 @@ For alpha = 1/2 they are Chebyshev's T_n and U_n. Both obey the recurrence
     t p_n = b_(n+1) p_(n+1) + a_n p_n + b_n p_(n-1),        t p_0 = 2 b_1 p_1 + a_0 p_0,
     a_n = (2 alpha - 1) / (4 n^2 - 1),    b_n = ((n - 1 + alpha) (n - alpha))^(1/2) / (2 n - 1);
 
-that of q_n has -a_(n+1) and b_(n+1) instead of a_n and b_n. Their values at t = 1 are
+the recurrence of q_n has -a_(n+1) and b_(n+1) instead of a_n and b_n. The values at t = 1 are
 
     p_n(1) = prod_(k < n) ((k + alpha) / (k + 1 - alpha))^(1/2),
     q_n(1) = (n + 1) p_(n+1)(1) / (2 alpha),
 
-and at t = -1 those with 1 - alpha instead of alpha and the sign (-1)^n (Szegő, Orthogonal
-Polynomials, 4.1 and 4.5). Near an end the rounding of t alone would cost n^2 units of round-off.
-The recurrences are therefore run for f_n = p_n / p_n(1), from the nearer end, as
+and the values at t = -1 have 1 - alpha instead of alpha, and the sign (-1)^n (Szegő, Orthogonal
+Polynomials, 4.1 and 4.5). Near an end the rounding of t alone would cause an error of n^2 units of
+round-off. So the recurrence is written for f_n = p_n / p_n(1), with the distance 1 - t from the
+nearer end as the given number,
 
-    up_n (f_(n+1) - f_n) = down_n (f_n - f_(n-1)) - (1 - t) f_n,
+    up_n (f_(n+1) - f_n) = down_n (f_n - f_(n-1)) - (1 - t) f_n
 
-where the distance 1 - t is given (C. Reinsch's variant of Clenshaw's algorithm).
+(C. Reinsch's variant of Clenshaw's algorithm).
 """
 
 from collections.abc import Iterator
@@ -42,17 +43,18 @@ Number = NDArray[Any]
 class SweepOptions:
     """Options of the recurrences over n that give transforms at points off the interval.
 
-    The transforms F_n of the two families are their recurrences' minimal solutions. They decay as
-    rho^n while all other solutions grow as rho^(-n) (W. Gautschi, SIAM Review 9, 1967, 24-82).
+    The transforms F_n of the two families are the minimal solutions of the recurrences. They decay
+    as rho^n, with rho = zeta - sqrt(zeta^2 - 1) at the point zeta, while all other solutions grow
+    as rho^(-n) (W. Gautschi, SIAM Review 9, 1967, 24-82).
     """
 
-    # The recurrence for the transforms runs towards larger n as long as round-off grows by less
-    # than this factor. Half this value halves the largest errors, but makes the longest recurrence
-    # towards smaller n a third longer.
+    # At a point, the recurrence for the transforms runs towards larger n if round-off grows by less
+    # than this factor over all n, and otherwise towards smaller n. Half this value halves the
+    # largest errors, but makes the longest recurrence towards smaller n a third longer.
     max_growth: float = 10.0
-    # Up to this number of points, one recurrence towards smaller n serves all points. More points
-    # are divided into groups whose recurrences have similar numbers of steps. The overhead of one
-    # step is as large as its cost for some hundred points.
+    # Up to this number of points, one recurrence towards smaller n serves all points. If there are
+    # more, they are divided into groups whose recurrences have similar numbers of steps. The
+    # overhead of one step is as large as the cost of this step for some hundred points.
     min_grouped: int = 200
 
 
@@ -62,8 +64,9 @@ OPTIONS = SweepOptions()
 @dataclass(frozen=True)
 class Family:
     """The Jacobi polynomials p_n, or q_n if `bounded` is true, for one exponent alpha.
-    They are orthogonal on (-1, 1), the p_n with the weight w = (1 - t)^(alpha - 1) (1 +
-    t)^(-alpha), the q_n with (1 - t^2) w. The head of this file has their normalisation.
+    They are orthogonal on (-1, 1): the p_n with the weight w, which is proportional to
+    (1 - t)^(alpha - 1) (1 + t)^(-alpha), and the q_n with the weight (1 - t^2) w. The head of this
+    file defines w and the normalisation.
 
     alpha, rest: alpha and 1 - alpha, each without cancellation, real or complex. bounded: whether
     the polynomials are the q_n.
@@ -283,13 +286,14 @@ def transform_sum(family: Family, c: Array, less: Number, left: Number) -> Numbe
 def _directions(
     count: int, less: Number, left: Number, all_terms: bool
 ) -> Iterator[tuple[Index, int]]:
-    """Yield groups of points, each with the direction of the recurrence for the transforms.
+    """Yield groups of points, each with the direction of the recurrence for the transforms F_n.
     A group is (indices of its points, the n at which the recurrence towards smaller n starts). This
     n is 0 if the recurrence runs towards larger n.
 
-    An error of the first ratio, at n = N, changes F_n by rho^(2 (N - n)) F_n. N is so large that
-    this is round-off of F_0 for all n below `count`. Without `all_terms`, terms below round-off of
-    F_0 may be left out.
+    Let N be the n at which the recurrence towards smaller n starts. An error of the ratio of
+    transforms at N changes F_n by rho^(2 (N - n)) F_n. N is so large that this change is round-off
+    of F_0 for all n below `count`. Without `all_terms`, terms below round-off of F_0 may be left
+    out.
     """
     rate = 2 * np.log(np.abs(np.sqrt(less) + np.sqrt(left))) - np.log(2.0)
     down = rate * count >= np.log(OPTIONS.max_growth)

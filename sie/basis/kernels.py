@@ -1,7 +1,9 @@
 """Kernels K(x, xi) of singular integral equations: poles plus a regular part.
 
-    transform  (1/pi) PV int phi(xi) K(x, xi) dxi
-    potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,   dLambda/dx = K
+A density phi has the fields (PV is the principal value)
+
+    transform  (1/pi) PV int phi(xi) K(x, xi) dxi,
+    potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,   dLambda/dx = K.
 
 A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, and a regular part. The poles are
 integrated in closed form, and the regular part by Gauss-Chebyshev quadrature.
@@ -36,15 +38,16 @@ class Kernel(Kept):
     period : float or None
         Period of the kernel, None if it has none.
     regular, regular_potential : callable or None
-        (x, xi) -> regular part of K and of Lambda, arrays that broadcast.
+        Functions of arrays (x, xi) that broadcast: the regular part of K, and of Lambda, the
+        antiderivative of K by x.
     reach : float
         Distance from a source point xi to the nearest x at which the regular part is singular.
     datum : float
-        Lambda is log|(x - xi - s) / datum| summed over the poles.
+        Length that divides distances in Lambda, which is log|(x - xi - s) / datum| for each pole.
     sure : bool
         Whether the reach alone determines how many nodes and modes the regular part needs. This
         holds if the regular part is no larger off the zones than on them. Otherwise, as for a
-        user's kernel, the modes of a zone grow until they resolve it.
+        user's kernel, the number of modes is raised until they resolve the regular part.
     regular_slope : callable or None
         Derivative of the regular part by x, needed only by derivatives at complex points.
     of_lag : bool
@@ -112,10 +115,10 @@ class Kernel(Kept):
         return {}
 
     def regular_of(self, what: What) -> Regular | None:
-        """Regular part of the kernel that gives the field `what`; None if there is none.
-        `what` is the transform of the density, its derivative or the potential.
+        """Function of (x, xi) whose integral with a density is the regular part of a field.
+        `what` names the field: the transform of the density, its derivative or the potential.
 
-        Raises ValueError if the kernel has a regular part, but not for this field.
+        None if the kernel has no regular part. Raises ValueError if it has one, but not for `what`.
         """
         if self.regular is None:
             return None
@@ -181,15 +184,15 @@ class Smooth:
     Parameters
     ----------
     value : callable
-        (x, xi) -> the kernel, arrays that broadcast.
+        The kernel as a function of arrays (x, xi) that broadcast.
     potential : callable or None
-        Its antiderivative in x, needed only by side conditions on potentials.
+        Antiderivative of the kernel by x, needed only by side conditions on potentials.
     slope : callable or None
-        Its derivative in x, needed only by derivatives at complex points.
+        Derivative of the kernel by x, needed only by derivatives at complex points.
     of_lag : bool
-        Whether it depends on x - xi alone.
+        Whether the kernel depends on x - xi alone.
     length : float
-        Distance of its singularities from the real axis; inf if it is unknown.
+        Distance of the kernel's singularities from the real axis; inf if it is unknown.
 
     Raises
     ------
@@ -349,7 +352,7 @@ class _HilbertPotentialRest(_OfPeriod):
 
 
 def is_hilbert(kernel: Kernel) -> bool:
-    """Whether a kernel is Hilbert's kernel, to which the user has added no regular part."""
+    """Whether a kernel is Hilbert's kernel without a regular part that the user has added."""
     return isinstance(kernel.regular, _HilbertRest)
 
 
@@ -382,15 +385,16 @@ def cauchy(datum: float = 1.0) -> Kernel:
 def hilbert(period: float) -> Kernel:
     """The Hilbert kernel K = (pi/L) cot(pi (x - xi) / L).
 
-    Its potential log|2 sin(pi (x - xi) / L)| has the mean zero over a period. With d = x - xi, the
-    regular part without the poles at 0 and +-L is (psi(2 - d/L) - psi(2 + d/L)) / L. The potential
-    without these poles is log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)). Both follow from the
-    reflection formula (DLMF 5.5.3).
+    Its potential log|2 sin(pi (x - xi) / L)| has the mean zero over a period. With d = x - xi and
+    the digamma function psi, the regular part of the kernel, without the poles at 0 and +-L, is
+    (psi(2 - d/L) - psi(2 + d/L)) / L. The potential without the logarithms of these poles is
+    log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)). Both follow from the reflection formula (DLMF
+    5.5.3).
 
     Parameters
     ----------
     period : float
-        L.
+        The period L.
 
     Returns
     -------
@@ -431,7 +435,7 @@ def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
     period : float
         L, the distance of neighbouring images.
     neighbours : int
-        m, how many images are kept on each side.
+        The number m of images on each side.
     datum : float
         Length that divides all distances in the potential.
 
@@ -471,9 +475,8 @@ def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
     if not kernel.sure:
         if math.isinf(kernel.length):
             return m + 2
-        # With q nodes, Gauss's rule adds the kernel's Chebyshev coefficient of order 2q - k to the
-        # kernel's coefficient of order k <= m (aliasing). The added coefficient must be at
-        # round-off.
+        # With q nodes, Gauss's rule gives the kernel's Chebyshev coefficient of order k <= m plus
+        # the coefficient of order 2q - k (aliasing). The added coefficient must be round-off.
         decayed = DIGITS / math.asinh(kernel.length / half_width)
         return max(m + 2, math.ceil(0.5 * (m + decayed)))
     return max(4, math.ceil(DIGITS / float(decay_rate(max(kernel.reach / half_width - 1, 0.05)))))

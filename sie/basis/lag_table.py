@@ -1,8 +1,9 @@
-"""Tables of a smooth kernel of the lag x - xi: polynomials on cells of the lag.
+"""Tables of a smooth kernel that depends on the lag x - xi alone.
 
-If the kernel's singularities are at least `length` away from the real axis, polynomials of degree 7
-on cells of width length/23 represent it to round-off. On such a cell, each coefficient of the
-Chebyshev series is about 90 times smaller than the one before.
+The range of the lag is divided into cells, and the kernel is a polynomial on each cell. If the
+kernel's singularities are at least `length` away from the real axis, polynomials of degree 7 on
+cells of width length/23 are exact to round-off. On such a cell, each coefficient of the Chebyshev
+series is about 90 times smaller than the one before.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ class LagTableOptions:
     def cells_per_length(self) -> float:
         """Number of cells in one `length` of the kernel, for a relative error of one round-off.
 
-        With n of them, each Chebyshev coefficient on a cell is 4 n times smaller than the one
-        before.
+        With n cells in this length, each Chebyshev coefficient on a cell is 4 n times smaller than
+        the one before.
         """
         return 0.25 * float(EPS ** (-1 / self.terms))
 
@@ -92,8 +93,8 @@ class LagTable:
 
 
 def _unit_series() -> list[tuple[Array, int]]:
-    """Chebyshev coefficients of T_k itself, for each k < `terms`, for a conversion to powers.
-    They are pairs (k zeros and a one, number of zeros that are left out after the one).
+    """Chebyshev coefficients of each polynomial T_k, k < `terms`, for a conversion to powers.
+    Each item is (k zeros followed by a one, number of zeros that would follow the one).
     """
     return [
         (np.eye(OPTIONS.terms)[k][: k + 1], OPTIONS.terms - 1 - k) for k in range(OPTIONS.terms)
@@ -130,8 +131,8 @@ def _table(kernel: Kernel, potential: bool, reach: float, pairs: int) -> LagTabl
     """
     kept = kernel.kept_tables
     # The largest lag |x - xi| of the table is rounded up, so that the table can be used again after
-    # zones have moved. With a period, the kernel is regular up to lags of two periods, so that
-    # rounding does no harm.
+    # zones have moved. With a period, the regular part is smooth up to lags of two periods, so that
+    # the larger lag does no harm.
     key = potential, math.ceil(4 * math.log2(reach / kernel.length))
     if key not in kept:
         widest = kernel.length * 2.0 ** (key[1] / 4)

@@ -1,4 +1,4 @@
-"""Imports on demand: parts of the package and large libraries, when they are first used."""
+"""Imports on demand: parts of `sie` and large libraries are imported when they are first used."""
 
 import gc
 import importlib
@@ -8,7 +8,7 @@ from types import ModuleType
 
 
 def module(name: str) -> ModuleType:
-    """Import a module of this package, or of a library, by name and return it."""
+    """Import the module `name`, of `sie` or of a library, and return it."""
     with uncollected():
         return importlib.import_module(name)
 
@@ -17,13 +17,13 @@ def module(name: str) -> ModuleType:
 def uncollected() -> Iterator[None]:
     """Suspend the garbage collector while modules are imported.
 
-    The objects that an import makes are never garbage, and searching them takes as long as the
-    import.
+    The objects that an import makes are never garbage. Searching them for garbage would take as
+    long as the import itself.
 
     Returns
     -------
     context manager
-        Within it Python's cyclic garbage collector is disabled; afterwards it is as before.
+        In the `with` block Python's cyclic garbage collector is disabled.
 
     Examples
     --------

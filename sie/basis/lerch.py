@@ -23,8 +23,8 @@ Number = NDArray[Any]
 class LerchOptions:
     """Numbers of terms and of quadrature nodes that leave only round-off in `lerch`."""
 
-    # Number of terms of the power series of Lerch's function in x and in 1 - x. They are used where
-    # |x| or |1 - x| is at most 1/2, so that the omitted terms are below round-off.
+    # Number of terms of two power series of Lerch's function, in x and in 1 - x. A series is used
+    # only if |x|, or |1 - x|, is at most 1/2, so that the omitted terms are below round-off.
     terms: int = 56
     # Number of Gauss-Legendre nodes in `_by_ray`, which integrates over log y on a path no longer
     # than log 2. The pole y = 1 of the integrand is at least 0.5 from this path, so that the error
@@ -45,7 +45,7 @@ def lerch(a: complex, x: Number, from_one: Number) -> Number:
     x : ndarray
         Real or complex arguments.
     from_one : ndarray
-        1 - x; it has more digits than x where x is close to one.
+        1 - x, which must keep all its digits if x is close to one.
 
     Returns
     -------
@@ -76,8 +76,8 @@ def lerch(a: complex, x: Number, from_one: Number) -> Number:
 def beta_share(a: complex, b: complex, x: Any, rest: Any) -> Number:
     """The regularised incomplete beta function I_x(a, b), with rest = 1 - x, for a + b = 1.
 
-    It is evaluated at the smaller one of x and 1 - x, because the larger one does not show all
-    digits of the smaller one.
+    It is computed from x or 1 - x, whichever is smaller, because the smaller number cannot be found
+    from the larger one without loss of digits.
     """
     x, rest = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(rest, dtype=float))
     small = x <= rest
@@ -112,8 +112,8 @@ def near_one(a: complex, from_one: Number) -> Number:
 
 
 def _by_ray(a: complex, x: Number) -> Number:
-    """Lerch's function at x, by integration along a ray from its value at x / (2 |x|).
-    It is the sum of x^n / (n + a), here for 1/2 < |x| <= 1.
+    """Lerch's function, the sum of x^n / (n + a), for 1/2 < |x| <= 1.
+    It is integrated along the ray from 0 through x, starting from its value at x / (2 |x|).
     """
     nodes, weights = _legendre(OPTIONS.nodes)
     length = np.log(2 * np.abs(x))

@@ -1,8 +1,8 @@
-r"""Antiderivative, by the lag y = x - xi, of the potential of a kernel without a user's part.
+r"""Antiderivative of a kernel's potential by the lag y = x - xi, for kernels made by `sie`.
 
-It is the potential of a uniform density that ends at xi. For a pole it is y (ln|y / datum| - 1).
-For Hilbert's kernel of period L it is -(L / 2 pi) Cl_2(2 pi y / L), with Clausen's integral (DLMF
-25.12.9)
+Such a kernel has no regular part that the user has added. The antiderivative is the potential of a
+uniform density that ends at xi. For a pole it is y (ln|y / datum| - 1). For Hilbert's kernel of
+period L it is -(L / 2 pi) Cl_2(2 pi y / L), with Clausen's integral (DLMF 25.12.9)
 
     Cl_2(2 pi u) = 2 pi u (1 - ln|2 pi u| + sum_k zeta(2k) u^(2k) / (k (2k + 1))),   |u| <= 1/2.
 """
@@ -16,8 +16,8 @@ from scipy.special import zeta
 from sie.basis.data import Array
 from sie.basis.kernels import Kernel, is_hilbert
 
-# Number of terms of the series for Clausen's integral. At |u| = 1/2 they fall as 4^(-k), so that
-# they are below round-off from the 26th on.
+# Number of terms of the series for Clausen's integral. At |u| = 1/2 the terms fall as 4^(-k), so
+# that they are below round-off from the 26th term on.
 _TERMS = 26
 
 
@@ -28,9 +28,9 @@ def _series() -> Array:
 
 
 def potential_primitive(kernel: Kernel, lag: Array) -> Array:
-    """Antiderivative, by the lag x - xi, of the potential of a kernel without a user's part.
+    """Antiderivative of a kernel's potential by the lag x - xi, at an array of lags of any shape.
 
-    Raise ValueError for a kernel with a regular part that a user defines. The lags have any shape.
+    Raises ValueError for a kernel with a regular part that the user has added.
     """
     if is_hilbert(kernel):
         assert kernel.period is not None

@@ -10,29 +10,29 @@ J_s vanishes at both ends and has a logarithm and a step at s:
 
     (kappa + T) J_s = H(t - s) - h,    h = I_((1 - s)/2)(1 - alpha, alpha),
 
-H Heaviside's step, I the regularised incomplete beta function. With `lerch` and
+with Heaviside's step H and the regularised incomplete beta function I. With `lerch` and
 
     u = (1 + t)(1 - s) / ((1 - t)(1 + s))
 
-the two sides of s have
+J_s is on the two sides of s
 
     J_s = sin(pi alpha)^2 / pi  u^(1 - alpha) lerch(1 - alpha, u),    t < s,
     J_s = sin(pi alpha)^2 / pi  u^(-alpha) lerch(alpha, 1 / u),       t > s,
 
 and the transform F(zeta) of J_s off the interval is the integral of sin(pi alpha) / pi  y^(-alpha)
-/ (1 + y) from (1 - s) / (1 + s) to -u(zeta). Its derivative by zeta is -total / pi F_0(zeta) /
-(zeta - s), with F_0 the transform of w. For kappa = 0 J_s is a logarithm. Jumps of the k-th
+/ (1 + y) from (1 - s) / (1 + s) to -u(zeta). The derivative of F by zeta is -total / pi F_0(zeta) /
+(zeta - s), with the transform F_0 of w. For kappa = 0 J_s is a logarithm. Jumps of the k-th
 derivative of the right side have the densities (t - s)^k J_s:
 
     (kappa + T) (t - s)^k J_s = (t - s)^k (H(t - s) - h) - sum_(j < k) P_j (t - s)^(k - 1 - j) / pi,
 
-P_j the integral of (t - s)^j J_s, which is total / (pi (j + 1)) times the integral of (t - s)^j w.
+where P_j is the integral of (t - s)^j J_s, which is total / (pi (j + 1)) times that of (t - s)^j w.
 Since (t - s) J_s' = -total / pi w, integration by parts gives the potential V_k of (t - s)^k J_s:
 
     (k + 1) V_k = F[(t - s)^(k + 1) J_s] + total / pi V[(t - s)^k w],
 
-F[] the transform and V[] the potential. The integrals of the densities from -1 to t follow in the
-same way.
+where F[] is the transform and V[] the potential of a density. The integrals of the densities from
+-1 to t follow in the same way.
 """
 
 import math
@@ -55,19 +55,17 @@ Number = NDArray[Any]
 
 @dataclass(frozen=True)
 class JumpOptions:
-    """Distance from the interval up to which the transform of a jump is a closed form.
-    At points farther away, the transform is a sum over Chebyshev moments.
+    """Limit of |rho| below which the transform of a jump's density is a sum over moments.
+    Closer to the interval, where |rho| is larger, the transform is a closed form.
     """
 
-    # Where |rho| is below this value, a transform is a sum over Chebyshev moments; rho is zeta -
-    # sqrt(zeta^2 - 1) of the point zeta. For larger |rho|, the closed form loses less than a digit.
-    # Insensitive: 0.2 to 0.5.
+    # Limit of |rho|, with rho = zeta - sqrt(zeta^2 - 1) at the point zeta. Above the limit, the
+    # closed form loses less than a digit. Insensitive: 0.2 to 0.5.
     far: float = 0.35
 
 
 OPTIONS = JumpOptions()
-# Number of Chebyshev moments that a transform needs at points where |rho| is at most `far`. rho is
-# zeta - sqrt(zeta^2 - 1) of the point zeta.
+# Number of Chebyshev moments that a transform needs at points where |rho| is at most `far`.
 FAR_TERMS = int(np.ceil(-DIGITS / np.log(OPTIONS.far)))
 
 
@@ -77,8 +75,8 @@ class PowerJump(Kept):
     The density is (t - s)^k J_s. J_s is the closed-form solution of kappa phi + T phi = g for a
     unit step g at s, up to a constant in g.
 
-    The module's docstring has the formulas. All methods broadcast points against the places, and
-    `order` is k. Intensities at the ends are zero.
+    The module's docstring has the formulas. All methods broadcast arrays of points against the
+    array of positions s. The argument `order` is k. The densities vanish at both ends.
 
     Parameters
     ----------
@@ -148,7 +146,7 @@ class PowerJump(Kept):
     def integral_to(self, left: Any, right: Any, away: Any, order: int = 0) -> Array:
         """Integral from -1 to t of (t - s)^k J_s, the density of a jump at s; k is `order`.
 
-        By parts, as (t - s) J_s' is -total / pi times the weight w.
+        It is integrated by parts, since (t - s) J_s' is -total / pi times the weight w.
         """
         away, rest = np.asarray(away, dtype=float), np.asarray(0.0)
         for c, factor in zip(
@@ -161,9 +159,11 @@ class PowerJump(Kept):
         )
 
     def by_parts(self, order: int = 0) -> Array:
-        """Coefficients of (total / pi) (t - s)^order w in the densities w p_n, in a new first axis.
-        w is the weight, p_n are Jacobi polynomials, and `total` is the integral of the density of a
-        jump at s. The product arises if fields of the jump's density are integrated by parts.
+        """Coefficients of (total / pi) (t - s)^order w as a sum of the densities w p_n.
+        They are along a new first axis. w is the weight, p_n are Jacobi polynomials, and `total` is
+        the integral of the density of a jump at s.
+
+        The sum arises if fields of the jump's density are integrated by parts.
         """
         out: Array = np.asarray(0.0)
         for c, factor in zip(
@@ -300,9 +300,9 @@ class PowerJump(Kept):
         out = np.empty_like(point[1])
         at_left, at_right = np.ravel(self.left), np.ravel(self.right)
         before, beyond = (np.ravel(level) for level in self.levels)
-        # The transform is a constant plus or minus `_share`. The constant may be the value of
-        # (kappa + T) J_s to the left of s (`before`) or to the right of s (`beyond`). The constant
-        # of smaller magnitude is used, so that a small transform loses no digits.
+        # The transform is a constant plus or minus `_share`. The constant is the value of
+        # (kappa + T) J_s to the left of s (`before`) or to the right of s (`beyond`). Of these two
+        # constants the smaller one is used, so that a small transform loses no digits.
         kept = (-before <= beyond)[which]
         at, pair = which[kept], tuple(x[kept] for x in point)
         out[kept] = before[at] + _share(self.weighted, at_left[at], at_right[at], pair)

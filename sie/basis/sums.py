@@ -27,8 +27,9 @@ class SumOptions:
     # With at least this many (point, source) pairs or table entries, matrix operations are faster
     # than loops over pairs or columns.
     min_matrix_pairs: int = 1 << 12
-    # Number of terms up to which sums of sines, and transforms, are products with a matrix. Longer
-    # sums of sines use the addition theorem (see `_sines`). Longer transforms are fast transforms.
+    # Up to this number of terms, sums of sines, and sine and cosine transforms, are products with a
+    # matrix. Longer sums of sines use the addition theorem (see `_sines`), and longer transforms
+    # are fast transforms.
     max_direct_terms: int = 128
     # Number of nodes of Gauss's rule on a panel (one interval of the quadrature). With two nodes
     # for each radian of phase, the rule integrates a wave to round-off.
@@ -36,7 +37,7 @@ class SumOptions:
 
     @property
     def max_turn(self) -> float:
-        """Largest change of the phase l theta over a panel, in integrals of cos(l theta).
+        """Largest change of the phase l theta over one panel, if cos(l theta) is integrated.
         A panel is one interval of the quadrature.
         """
         return self.gauss_nodes / 2
@@ -71,7 +72,8 @@ class Grouped:
     """Items (points, jumps or poles), sorted by the zone in which they lie.
 
     order: indices of the items, zone after zone. count: number of items in each zone; first:
-    position in `order` of the zone's first item. Both have one more entry, for zones without items.
+    position in `order` of the zone's first item. Both have one further entry, for all zones after
+    the last zone with items.
     """
 
     order: Index
@@ -194,9 +196,9 @@ def _by_horner(u: Array, rho: NDArray[Any], zone: Index, terms: Index) -> NDArra
     """Power series sum_k u[zone, k] rho^k at pairs of a number rho and a zone, by Horner's rule.
     terms: number of terms of each pair's series.
 
-    Without compiled loops, few zones are summed one after the other, if this takes fewer NumPy
-    calls (see `_one_series`). Otherwise the pairs are sorted by the number of terms, so that
-    Horner's rule works on a growing block.
+    Without compiled loops there are two ways. If there are few zones, they are summed one after the
+    other, because this takes fewer NumPy calls (see `_one_series`). Otherwise the pairs are sorted
+    by the number of terms, so that Horner's rule works on a growing block.
     """
     loops = compiled.loops("power_series", float(terms.sum()))
     if loops is not None:
@@ -285,8 +287,8 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
     """Sine series sum_k u[zone, k] sin((k + 1) theta), given the angle from the nearer end.
 
     theta = pi - angle where `flip` is true, else theta = angle. So no digit is lost near either
-    end. Arrays have any shape. Zones broadcast from (n, 1), with the same angles in each, are
-    faster.
+    end. Arrays have any shape. If all zones have the same angles, and `zone` is broadcast from the
+    shape (n, 1), the sum is faster.
     """
     if zone.ndim == 2 and zone.strides[1] == 0 == angle.strides[0]:
         return _same_places(u, zone[:, 0], angle[0], flip[0])

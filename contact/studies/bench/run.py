@@ -1,4 +1,4 @@
-"""The measurements of `contact bench` and `contact stability`: files and tables."""
+"""Runs the measurements of `contact bench` and `contact stability`; writes files and tables."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from contact.studies.bench.scaling import Scaled
 
 
 class Progress(Protocol):
-    """An object that displays the number of measurements that are done, and lines of results."""
+    """An object that shows how many measurements are done, and lines with their results."""
 
     def __call__(self, stage: str, done: int, total: int | None) -> None: ...
     def say(self, line: str) -> None: ...

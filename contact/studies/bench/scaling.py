@@ -1,8 +1,9 @@
-"""Time and memory against zones, nodes and harmonics, and a lower estimate of time, the floor.
+"""Measures time and memory of `solve` for growing numbers of zones, nodes and harmonics.
 
-The floor is the least work of any solver by direct sums. It evaluates the profile once at the final
-nodes, and sums the kernel once between all pairs of nodes, in numpy. Fast sums can take less.
-Exponents are fitted to the larger sizes, which all use fast sums or all use a matrix.
+Each time is compared with a lower estimate, the floor. The floor is the time in which numpy
+evaluates the profile once at the final nodes and sums the kernel once over all pairs of nodes. Any
+solver with direct sums needs this time; fast sums can take less. Exponents of power laws are fitted
+to the larger sizes, which all use fast sums or all use a matrix.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scaled:
-    """Measurement of one scene: time and memory of `solve`, its `floor_seconds`, and counts.
-    `floor_seconds` is a lower estimate of the time.
+    """Measurement of one scene: time and memory of `solve`, and sizes of the solution.
+    `floor` is a lower estimate of the time [s], see `floor_seconds`.
     """
 
     series: str

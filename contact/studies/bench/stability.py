@@ -1,4 +1,7 @@
-"""Runs the stiff and extreme scenes: their errors against what the condition allows."""
+"""Solves the stiff and extreme scenes and compares their errors with the allowed errors.
+
+The condition number of a scene gives its allowed error (`contact.studies.bench.extremes`).
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
 """Closed form of an isolated wedge with a flat top, f = s max(|x| - d, 0).
 
-The load at half width a > d is P(a) = E* s sqrt(a^2 - d^2). By the superposition of flat punches
+The wedge has the slope s, and its top the half width d. If the zone has the half width a > d, the
+load is P(a) = E* s sqrt(a^2 - d^2). By the superposition of flat punches of half width b
 (contact.reference.exact.base) the pressure is
 
-    p(x) = (1/pi) int_max(|x|, d)^a P'(s) ds / sqrt(s^2 - x^2)
+    p(x) = (1/pi) int_max(|x|, d)^a P'(b) db / sqrt(b^2 - x^2)
          = (E* s/pi) ln[(sqrt(a^2 - d^2) + sqrt(a^2 - x^2)) / sqrt|x^2 - d^2|]
 
 (derived here). The limit d -> 0 is the wedge's arcosh(a/|x|).
@@ -25,7 +26,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class TruncatedWedge(Profile):
-    """A wedge of slope s with a flat top |x| <= d: f = s max(|x| - d, 0), corners declared."""
+    """A wedge of slope s with a flat top |x| <= d, f = s max(|x| - d, 0); its corners are kinks."""
 
     steepness: float
     half_top: float

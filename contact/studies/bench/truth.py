@@ -1,10 +1,11 @@
 """True errors: a solution compared with an exact solution, or with one by another formulation.
 
-Both measures are relative to the largest pressure, or to the mean contact pressure if the peak is
-infinite. `stated_measure` is what `Solution.error` bounds: errors of pressures at equal normalised
-positions, and of ends relative to widths. `at_places` compares pressures at the same x, which is
-possible for grids too. Pressure grows from an end as a square root, so that an error d of the end
-makes an error of order sqrt(d) at the same x.
+There are two measures of the error. `stated_measure` is the error that `Solution.error` bounds: of
+pressures at equal normalised positions, and of ends relative to the widths of zones. `at_places`
+compares pressures at the same x, which is possible for grids, too. Near an end the pressure is a
+square root of the distance, so that an error d of the end makes an error of order sqrt(d) at the
+same x. Both measures divide errors of pressure by the largest pressure, or by the mean contact
+pressure if the peak is infinite.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ Array = NDArray[np.float64]
 def positions(count: int = 24) -> Array:
     """Normalised positions in a zone, dense near the ends of the zone; `count` must be even.
 
-    So no position is in the middle, where the pressure is infinite under a wedge.
+    With an even count, no position is in the middle, where a wedge's pressure is infinite.
     """
     return np.asarray(np.cos((np.arange(count) + 0.5) * np.pi / count))
 

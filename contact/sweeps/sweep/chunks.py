@@ -1,7 +1,7 @@
-"""Chunks: points of a grid that are solved together in one process.
+"""Chunks: points of a grid of scenes that are solved together in one process.
 
-Points along a control of one scene share work, as in `contact.solve_many`. Another process or
-machine receives the scene as bytes.
+Points that differ only in the value of a control share work, as in `contact.solve_many`. Another
+process or machine receives the scene as bytes.
 """
 
 import itertools
@@ -26,21 +26,21 @@ from contact.sweeps.points import NUMBERS, numbers
 from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, Value, varied
 from sie import Array, Mask
 
-# A row holds numbers by name, and the entries `failed`, `reason` and `warning`. In a chunk of whole
-# solutions, it holds either the `solution` or the exception `raised`.
+# A row is the result of one point. It holds numbers by name, and the entries `failed`, `reason` and
+# `warning`. In a chunk of whole solutions, it holds the `solution` or the exception `raised`.
 Row = dict[str, Any]
 Rows = list[tuple[int, Row]]
 
 
 @dataclass(frozen=True)
 class ChunkOptions:
-    """The sizes of chunks; the computing time depends on these sizes only weakly."""
+    """Sizes of chunks; the time of a sweep depends on these sizes only weakly."""
 
     # Number of chunks for each process. It is above 1, so that all processes finish at about the
     # same time.
     per_process: int = 4
-    # A process returns its finished rows after this time [s]. If the process dies, at most the work
-    # of this time is lost.
+    # A process returns the finished rows of its chunk after this time [s]. If the process dies, at
+    # most the work of this time is lost.
     seconds: float = 20.0
 
 
@@ -51,9 +51,9 @@ CHUNKS = ChunkOptions()
 class Chunk:
     """Points of a grid, in the order in which they are solved.
 
-    places: flat indices of the points; settings: the values set at each; control: the control that
-    varies along them, or ""; seconds: the time after which finished rows are sent; whole: whether
-    rows hold the solutions themselves.
+    places: flat indices of the points in the grid; settings: the values of the varied keys at each
+    point; control: the control that varies from point to point, or ""; seconds: the time after
+    which finished rows are sent; whole: whether rows hold the solutions themselves.
     """
 
     places: tuple[int, ...]
@@ -92,8 +92,8 @@ def chunks_of(
 ) -> list[Chunk]:
     """The points of the grid to be solved, divided into chunks for a number of processes.
 
-    wanted: flat mask; solvers: number of processes, None: one chunk per curve; branch: the branch
-    if it is not varied.
+    wanted: flat mask of these points; solvers: number of processes, None: one chunk for each curve
+    of points along the control; branch: the branch of equilibria, unless an axis varies it.
     """
     at = next((place for place, axis in enumerate(axes) if axis.control), None)
     control = "" if at is None else axes[at].control
@@ -160,10 +160,10 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
 
 
 def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
-    """The `Curve` that solves the points of a chunk in turn; None for independent points.
+    """The `Curve` that solves the points of a chunk in turn; None if each point is solved alone.
 
     It is None if no control varies, if the branch is not the default one, or if no point is a valid
-    scene. Points with a closed form are solved here.
+    scene. Points with a closed form are solved when the `Curve` is made.
     """
     if not chunk.control or any(setting[BRANCH] != BRANCHES[0] for setting in chunk.settings):
         return None
@@ -202,7 +202,7 @@ def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
 def cannot_receive(given: bytes, here: str) -> str:
     """Reason why this process cannot use a received scene; "" if the process can use it.
 
-    The reason is the end of a sentence. here: the version of this package in the sending process.
+    The reason is the end of a sentence. here: version of `contact` in the sending process.
     """
     if version() != here:
         return f"have sie-contact {version()}, and not {here}"
@@ -219,7 +219,7 @@ def cannot_receive(given: bytes, here: str) -> str:
 class Question:
     """An object that becomes the result of `cannot_receive` when it is unpickled.
 
-    It works on machines that may not have this package at all.
+    On a machine without the package `contact`, unpickling raises an ImportError instead.
     """
 
     def __init__(self, given: bytes) -> None:

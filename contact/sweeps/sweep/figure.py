@@ -1,7 +1,7 @@
-"""Figure of a sweep: numbers against one varied key, a line for each value of another key.
+"""Figure of a sweep: results against one varied key, with a line for each value of another key.
 
-The abscissa is the key with the most numbers. If one key has words, it gives the lines; if no key
-has numbers, the words are drawn at even places. Points that failed are missing.
+The abscissa is the key with numeric values or, if both keys have them, the key with more values. If
+no key has numeric values, the abscissa has words at even distances. Failed points are missing.
 """
 
 from collections.abc import Mapping, Sequence
@@ -41,8 +41,8 @@ def check_drawable(sizes: Mapping[str, int]) -> None:
 def plot_sweep(table: Any, names: Sequence[str] = ()) -> Any:
     """A matplotlib figure with a panel for each number.
 
-    table: xarray.Dataset of a sweep. names: of the numbers; by default the largest pressure and
-    the contact fraction, or the width in contact if there is no period.
+    table: xarray.Dataset of a sweep. names: names of the numbers; by default the largest pressure
+    and the contact fraction, or the width in contact if there is no period.
     """
     check_drawable(table.sizes)
     shown = list(names) or [name for name in _DEFAULT if table[name].notnull().any()][:2]
@@ -90,7 +90,7 @@ def _draw(axes: Any, table: Any, keys: Sequence[str], name: str, lines: Array) -
 
 
 def _abscissa(axes: Any, table: Any, key: str) -> tuple[Array, str, bool]:
-    """Positions of a key's values on the abscissa, its label, and whether it is logarithmic."""
+    """(positions of a key's values on the abscissa, label, whether the abscissa is logarithmic)."""
     values = table[key].values
     if values.dtype.kind not in "iuf":
         axes.set_xticks(range(len(values)), [str(value) for value in values])
@@ -103,7 +103,7 @@ def _abscissa(axes: Any, table: Any, key: str) -> tuple[Array, str, bool]:
 
 
 def _name(table: Any, dimension: str) -> str:
-    """The label of a key: its name without its table, if no other key has this name."""
+    """The label of a key: its name without the table, if no other varied key has this name."""
     keys = [table[name].attrs["key"] for name in table.dims]
     key = table[dimension].attrs["key"]
     short = key.rpartition(".")[2]

@@ -1,5 +1,6 @@
-"""The keys of a scene that a sweep can vary, `TABLE.KEY` as in scene files, and scenes with new
-values.
+"""The keys of a scene that a sweep can vary, and scenes in which keys have other values.
+
+A key is written as TABLE.KEY with the names of scene files, such as "profile.amplitude".
 """
 
 import re
@@ -35,8 +36,8 @@ class Axis:
 
     @property
     def name(self) -> str:
-        """The key as the name of a dimension of the table, in which "_" replaces the dot.
-        With such a name, xarray gives "profile_amplitude" as an attribute.
+        """The key as the name of a dimension of the table, with "_" instead of the dot.
+        In xarray such a dimension is also an attribute, as in `table.profile_amplitude`.
         """
         return name_of(self.key)
 

@@ -1,8 +1,8 @@
 """Chunks solved in this process, in other processes, or by the workers of a Dask scheduler.
 
 If a process dies (killed, or out of memory), its chunk is solved again point by point; a point that
-kills its process a second time is marked as failed. If other processes cannot be started, this one
-solves everything.
+kills its process a second time is marked as failed. If other processes cannot be started, this
+process solves everything.
 
 If a worker of a scheduler is lost, the scheduler gives its chunk to another one. Workers may come
 and go at any time. The scheduler needs the extra `cluster`.
@@ -103,7 +103,7 @@ def solved_in_processes(
 def _not_sent_back(future: Future[Rows]) -> str:
     """The reason why a worker process cannot send its solutions back; "" if it can.
 
-    It cannot if a class of the user cannot be pickled.
+    It cannot if an object of a class that the user wrote cannot be pickled.
     """
     error = future.exception()
     lost = isinstance(error, pickle.PicklingError) or (
@@ -242,7 +242,7 @@ class Cluster:
 
     @property
     def solvers(self) -> int:
-        """Assumed number of the cluster's threads: more than at present, as workers may join."""
+        """Assumed number of threads of the cluster: more than now, because workers may join."""
         return CHUNKS.per_process * sum(self._client.ncores().values())
 
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
@@ -291,7 +291,7 @@ class Cluster:
                 raise ContactError(f"the workers of the scheduler {why} (asked: {worker})")
 
     def _checked(self, future: Any, rows: Rows, chunk: Chunk) -> Rows:
-        """The results (rows) of a finished task; rows of failures if the task killed its workers.
+        """The results (rows) of a task; if the task killed its workers, all rows are failures.
 
         Raises ContactError if the cluster itself failed.
         """

@@ -51,18 +51,18 @@ def sweep(
 ) -> Any:
     """Solve a scene on a grid of values of its parameters, in several processes or on a cluster.
 
-    Points along a control of one scene share work, as in `contact.solve_many`. A point that fails
-    is marked as failed; the others are solved. With `out`, finished points are written to a file
-    while the sweep runs, and points already in the file are not solved again.
+    Points that differ only in the value of a control share work, as in `contact.solve_many`. A
+    point that fails is marked as failed; the others are solved. With `out`, finished points are
+    written to a file while the sweep runs, and points already in the file are not solved again.
 
     Parameters
     ----------
     scene : Scene
         The scene.
     over : mapping
-        Keys of the scene's tables, as a scene file has them ("control.mean_pressure",
-        "profile.amplitude", "material.E_star", "substrate.thickness", ...), to lists of values
-        (numbers, or words where the parameter is one). A control replaces the scene's own.
+        Lists of values by key. Keys are those of scene files, such as "control.mean_pressure",
+        "profile.amplitude", "material.E_star" or "substrate.thickness". Values are numbers, or
+        words if the parameter is a word. A control replaces the scene's own control.
     scheduler : str, dask.distributed.Client or None
         Address (or client) of a Dask scheduler; None: processes of this machine.
     tol : float
@@ -83,11 +83,11 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        Dimensions named after the keys with "_" for ".", such as `profile_amplitude`, whose
-        attribute `key` is "profile.amplitude"; load, mean_pressure, max_pressure, approach,
-        contact_fraction, total_width, stiffness, mean_gap, zone_count (0 in full contact) and
-        error, in SI units, nan for what the scene does not define and where a point failed;
-        `failed`, and in words `reason` and `warning`.
+        The dimensions are named after the keys with "_" for ".", such as `profile_amplitude`, whose
+        attribute `key` is "profile.amplitude". The variables are load, mean_pressure, max_pressure,
+        approach, contact_fraction, total_width, stiffness, mean_gap, zone_count (0 in full contact)
+        and error, in SI units. They are nan at failed points, or if the scene does not define them.
+        Further variables are `failed`, and the texts `reason` and `warning`.
 
     Raises
     ------
@@ -222,7 +222,7 @@ def _checked(out: str | PathLike[str]) -> Path:
 
 
 def _tell(table: Table) -> None:
-    """Warn once about all failed points, and once about all points whose `warning` is not empty."""
+    """Warn once about all failed points, and once about all points that have a `warning`."""
     failed, odd = np.flatnonzero(table.failed), np.flatnonzero(table.words["warning"] != "")
     lines = [
         f"{len(places)} of {table.size} points {what}: "

@@ -1,4 +1,4 @@
-"""The table of a sweep: numbers on the grid, and the reasons of failed points.
+"""The table of a sweep: the results at all points of the grid, and why points failed.
 
 The table is returned as an xarray.Dataset and stored in a netCDF file that a later sweep can
 continue. Only one sweep at a time may use a file: two would overwrite each other's results.
@@ -112,8 +112,8 @@ class Table:
             temporary.unlink(missing_ok=True)
 
     def take_over(self, path: Path) -> None:
-        """Take over the results in a file.
-        Raises SceneError unless the scene and the points of the file fit this grid.
+        """Copy the results of an earlier sweep from a file into this table.
+        Raises SceneError unless the file belongs to the same scene and its points are on this grid.
         """
         known = _read(path)
         dims = [axis.name for axis in self.axes]
@@ -166,8 +166,7 @@ def _described(axis: Axis) -> dict[str, str]:
 def _read(path: Path) -> Any:
     try:
         with require("xarray").open_dataset(path, engine="h5netcdf") as opened:
-            # In files of earlier versions, the dimensions are named by the keys of the scene
-            # themselves.
+            # In files of earlier versions, the names of the dimensions are the keys with the dot.
             known = opened.rename({name: name_of(str(name)) for name in opened.dims}).load()
         missing = {*NUMBERS, *_WORDS, "failed"} - set(known.data_vars) or {"scene"} - set(
             known.attrs
@@ -194,8 +193,8 @@ def description(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
         name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
         if body is not None:
             prepared = {f"{table}.{key}" for key in body.preparation}
-            # A trace is identified by its prepared points, or by the points before the preparation
-            # if the preparation is varied.
+            # A trace is described by its prepared points. If the sweep varies the preparation, it
+            # is described by the points before the preparation.
             hidden = (
                 set()
                 if prepared & but - {f"{table}.period"}
