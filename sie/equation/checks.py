@@ -85,13 +85,13 @@ def check_functions(equation: Equation, zones: Zones) -> None:
         _seen(equation.kernel).add(how)
 
 
-def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool, bool]]:
+def _seen(part: Forcing | Kernel) -> set[tuple[bool, ...]]:
     """Cases in which the functions of `part` have been checked.
 
     A case is (whether potentials are needed, whether zones are symmetric, whether values may be
     complex).
     """
-    found: set[tuple[bool, bool, bool]] = part.__dict__.setdefault("_checked", set())
+    found: set[tuple[bool, ...]] = part.__dict__.setdefault("_checked", set())
     return found
 
 

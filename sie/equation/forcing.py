@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -238,7 +239,8 @@ class Forcing(Kept):
     jumps: Jumps = NO_JUMPS
     resolution: Resolution = UNRESOLVED
     within: tuple[float, float] = (-math.inf, math.inf)
-    _checked: set[tuple[bool, bool]] = field(default_factory=set, init=False, repr=False)
+    # Cases in which the functions need no check (see `checks._seen`).
+    _checked: set[tuple[bool, ...]] = field(default_factory=set, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name, kind in (("jumps", Jumps), ("resolution", Resolution)):
@@ -256,7 +258,7 @@ class Forcing(Kept):
         Forcing
         """
         found = replace(self)
-        found._checked.update((levels, even) for levels in (False, True) for even in (False, True))
+        found._checked.update(product((False, True), repeat=3))
         return found
 
     def sampled(self, start: Array, away: Array, slope: Function) -> Array:

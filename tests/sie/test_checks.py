@@ -81,6 +81,21 @@ def test_a_primitive_of_another_function_is_refused_by_name(primitive):
     solve(sie.Forcing(np.sin, primitive), (sie.ZoneTotals(1.0),))
 
 
+@pytest.mark.parametrize("symmetric", [False, True])
+@pytest.mark.parametrize("kappa", [0.0, 0.3j])
+@pytest.mark.parametrize("conditions", [LEVEL, (sie.ZoneTotals(1.0),)])
+def test_the_functions_of_a_trusted_forcing_are_not_checked(conditions, kappa, symmetric):
+    """The check of numbers of arguments, of shapes and of primitives calls the function itself."""
+    zones = sie.Zones.of(MIRRORED, sie.SINGULAR, sie.SINGULAR, symmetric=symmetric)
+
+    def called(x):
+        raise AssertionError("the function is called by a check")
+
+    forcing = sie.Forcing(called, called).trusted()
+    equation = sie.Equation(sie.cauchy(), forcing, conditions, kappa=kappa)
+    check_functions(equation, equation.weighted(zones))
+
+
 @pytest.mark.parametrize("seed", range(40))
 def test_a_rounded_primitive_is_accepted(seed):
     """The primitive is rounded to multiples of `unit`. On narrow zones far from the origin, this
