@@ -139,7 +139,7 @@ def _value(
 class OutOfTime(BaseException):
     """Raised when a scene has used up its processor time.
 
-    This class is no Exception: no handler between the solver and the study may catch it.
+    It is derived from BaseException, so that no handler of Exception catches it in the solver.
     """
 
 

@@ -56,8 +56,8 @@ class EventOptions:
     # Largest difference of ln(load) over which events are predicted. Over a larger one, the gap may
     # get new minima.
     max_step: float = 0.3
-    # Number of samples of the gap in the shortest length of the profile. An interval counts as at
-    # least four such lengths.
+    # Number of samples of the gap per smallest length over which the profile varies. An interval
+    # has at least as many samples as four such lengths.
     samples: float = 4.0
 
 
@@ -90,7 +90,7 @@ class Birth:
     at: float
     known: tuple[Value, ...] = ()
     kind = "birth"
-    rises = -1.0  # sign of the derivative of the condition
+    rises = -1.0  # sign of the condition's derivative by ln(load)
 
     @property
     def joined(self) -> Array:
@@ -272,7 +272,7 @@ class PathPoint(sie.Kept):
         """
         (middle, half), (place, room) = (self._moved(motion, at) for motion in self.motions)
         width, gap = (motion.values[1] for motion in self.motions)
-        with np.errstate(invalid="ignore"):  # of an infinite gap
+        with np.errstate(invalid="ignore"):  # an infinite gap gives nan
             left, right = np.roll(place + room, 1), place - room
             if self.period is not None:
                 left[0] -= self.period

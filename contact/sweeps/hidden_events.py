@@ -6,9 +6,9 @@ ln(load)) that are known at both loads. When two zones merge, an end jumps. So t
 end has moved is compared with the integral of its rate by the trapezoidal rule. If they disagree, a
 solution at a load in between is needed.
 
-Next to a narrow zone or gap an end moves like the square root of the distance to the load of its
-birth or closure. The rate of such an end, times the width of that zone or gap, varies slowly and is
-used instead.
+Next to a narrow zone or gap, an end moves like the square root of the distance to the load at which
+the zone is born or the gap closes. The rate of such an end, times the width of the zone or gap,
+varies slowly and is used instead.
 """
 
 from collections.abc import Iterator
@@ -100,9 +100,11 @@ def jumped(low: Ends, high: Ends, step: float, period: float | None) -> bool:
 def _motions(
     low: Ends, high: Ends, period: float | None
 ) -> Iterator[tuple[Array, Array, Array, float]]:
-    """Yield four values for each zone that is one zone at both loads.
-    They are the outward displacements of its two ends, their rates (derivatives by ln(load)) at the
-    low load and at the high load, and the sum of the stated errors of an end.
+    """Yield four values for each zone of the high load that contains exactly one of the low load.
+    They are the outward displacements of its two ends, their rates at the low load and at the high
+    load, and the sum of the stated errors of an end.
+
+    The rates are derivatives by ln(load), multiplied by widths as the head of this file says.
     """
     old, old_rates, new, new_rates = low.zones, low.rates, high.zones, high.rates
     old_widths, new_widths = room_beside(old, period), room_beside(new, period)

@@ -16,7 +16,9 @@ from sie import Array
 
 
 def refuse_unloading(scene: Scene, loads: Array, blamed: tuple[str, Any, str]) -> None:
-    """Raise SceneError if the loads decrease under a law that unloads in another scene.
+    """Raise SceneError if the loads decrease under a law that cannot unload in the same scene.
+
+    After plastic contact, unloading begins in a scene with the profile `Solution.worn()`.
 
     blamed: name and value of the wrong parameter, and what the parameter must be.
     """

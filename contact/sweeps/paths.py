@@ -66,7 +66,7 @@ class PathOptions:
 
     @property
     def retries_beyond(self) -> tuple[float, ...]:
-        """Relative distances outside two nearly equal loads at which an event is sought.
+        """Relative distances beyond two nearly equal loads at which an event is sought, too.
 
         The two loads differ by less than `same`. Round-off can give a certified sign the wrong
         value, so that the event between the loads seems to lie beyond them.

@@ -107,7 +107,7 @@ def _along_kappa(context: SolveContext, start: Start, failure: Failure) -> Outco
     """The contact, found by raising kappa in steps from zero.
     kappa is the coefficient of p in the equation; Newton's method follows each step.
 
-    failure: the failure of a single step to the whole kappa.
+    failure: the failure at the whole kappa in a single step; it is returned if all steps fail.
     """
     law: Any = context.scene.law
     reached, step, last = 0.0, 0.5, failure

@@ -38,24 +38,24 @@ class Certificate:
     """The results of all checks of a solution, with the values that the checks found.
 
     smallest_pressure: least value of p / sqrt(1 - t^2) on the zones [Pa], with the pressure p and
-    the normalised position t in a zone, from -1 to 1. smallest_gap: least
-    minimum of the gap between the zones [m], negative where surfaces overlap, 0 if the gap has no
-    minimum. points: number of samples. holds: whether all checks pass. gap_rounding:
-    effect of rounding on the gap [m]. load_balance: relative error of the load. level_spread:
-    largest difference of the zones' approaches [m]. undecided: whether a gap, or a minimum of the
-    pressure, is zero within rounding, so that double precision cannot decide whether there is
-    contact. note: the checks that hold or fail, in words. dip: least minimum of p / sqrt(1 - t^2)
-    inside a zone, divided by the largest value in that zone; inf if there is none. moment_balance:
-    error of the moment, relative to the load times the farthest end of a zone; None if no moment is
-    given.
+    the normalised position t in a zone, from -1 to 1. smallest_gap: least minimum of the gap
+    between the zones [m], negative if surfaces overlap, 0 if the gap has no minimum. points: number
+    of samples. holds: whether all checks pass. gap_rounding: effect of rounding on the gap [m].
+    load_balance: relative error of the load. level_spread: largest difference of the zones'
+    approaches [m]. undecided: whether a gap, or a minimum of the pressure, is zero within rounding,
+    so that double precision cannot decide whether there is contact. note: the checks that hold or
+    fail, in words. dip: least minimum of p / sqrt(1 - t^2) inside a zone, divided by the largest
+    value in that zone; inf if there is no minimum. moment_balance: error of the moment, divided by
+    the load times the largest lever arm of a zone's end; None if no moment is given.
 
     smallest_overlap: least overlap of the surfaces on plateaus [m]; None without plateaus.
 
-    intensity: largest relative error of the intensity at an end. stability: least eigenvalue of the
-    second variation of the energy for motions of the ends under the given control. It is divided by
-    twice the work of adhesion and scaled by the square roots of the zones' widths. It is positive
-    if the contact is locally stable, and infinite if all ends are fixed at sharp corners. Both,
-    intensity and stability, are None under laws with one equilibrium.
+    intensity: largest relative error of the edge intensities, the factors of 1/sqrt(distance) in
+    the pressure at the ends. stability: least eigenvalue of the second variation of the energy for
+    motions of the ends under the given control. It is divided by twice the work of adhesion and
+    scaled by the square roots of the zones' widths. It is positive if the contact is locally
+    stable, and infinite if all ends are fixed at sharp corners. Both, intensity and stability, are
+    None under laws with one equilibrium.
 
     negative, overlaps: scaled intervals (n, 2) in which the pressure (the gap) is negative. lowest:
     scaled places, values and half second derivatives of the gap's minima (n, 3), see
@@ -291,7 +291,7 @@ def _intensity_error(fields: ZoneFields) -> float:
     """Largest error of the edge intensity at the ends, divided by the intensity of the law.
     The edge intensity is the factor of 1/sqrt(distance) in the pressure near an end.
 
-    At a fixed end the intensity only has to reach at least the law's value.
+    At a fixed end, such as a sharp corner, the intensity may be above the law's negative value.
     """
     wanted, zones = fields.problem.end.intensity, fields.density.zones
     assert wanted

@@ -98,7 +98,7 @@ class SolvedZones(Solved):
     def error_with(self, slopes: float) -> float:
         """The stated error if the profile's slopes have the relative error `slopes`.
 
-        A common factor of all slopes moves the ends like the inverse factor of the load.
+        If all slopes are multiplied by a factor, the ends move as if the load were divided by it.
         """
         if not slopes > 0.0:
             return self.error
@@ -375,7 +375,7 @@ class SolvedGaps(Solved):
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)
         unit = fields.unit_pressure / units.pressure
         if not unit > 0.0:
-            return np.inf  # zones so narrow have no sample
+            return np.inf  # the zones are so narrow that the pressure was not sampled in them
         slope = min(fields.steepest / unit, 1 / varies)
         # If the ends of a gap move, the change of the pressure falls with the distance from the
         # gap, as (width of the gap / distance)^2.

@@ -1,4 +1,4 @@
-"""Jacobi polynomials of the second-kind equation on t in (-1, 1), without loss at the ends.
+"""Jacobi polynomials of the second-kind equation on (-1, 1), without loss of digits at the ends.
 
 With alpha in (0, 1) there are two families, normalised by an integral over (-1, 1):
 

@@ -81,7 +81,7 @@ class PowerJump(Kept):
     Parameters
     ----------
     weighted : JacobiFunctions
-        The densities of the interval, with kappa.
+        The Jacobi functions on the interval, for the coefficient kappa of the equation.
     left, right : ndarray
         1 + s and 1 - s of the places.
 
@@ -227,7 +227,8 @@ class PowerJump(Kept):
         right half of the interval.
 
         The integrals n_l of -J_s' T_l obey (n_(l+1) + n_(l-1)) / 2 - s n_l = total / pi int w T_l.
-        The recurrence for differences of n_l uses 1 - s instead of s.
+        The recurrence is rewritten for differences of the n_l. It then needs 1 - s instead of s, so
+        that no digits are lost near s = 1.
         """
         count = length + 2
         weights = self.weighted.first_moments(count)
