@@ -142,7 +142,10 @@ def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> 
     load = (
         4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
     )
-    follow = np.abs(here.by_ends[:, :-1]) @ ends + np.abs(here.by_ends[:, -1]) * curve.yields * load
+    follow = (
+        np.abs(here.by_ends[:, :-1]) @ ends
+        + np.abs(here.by_ends[:, -1]) * curve.value_per_load * load
+    )
     followed = follow.reshape(2, -1).T / np.diff(here.zones, axis=1)
     density, problem = fields.density, fields.problem
     largest = max(

@@ -126,7 +126,7 @@ def pull_off_from_all(curve: CohesiveCurve, zones: Array, value: float) -> State
     lost = (
         load
         if curve.control.load is not None
-        else (curve.yields * load - curve.stress * problem.compression)
+        else (curve.value_per_load * load - curve.stress * problem.compression)
     )
     low, high, found, opened = lost, value, curve.contact_under(pulled, value, zones), False
     for _ in range(LIMITS.max_iterations):
@@ -206,5 +206,5 @@ def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
         if float(np.abs(step).max()) < ACCURACY.density * float(np.diff(table, axis=1).min()):
             break
     load = -TractionLoaded.of(curve.problem, curve.stress, table).pulling.total
-    value = load if curve.control.load is not None else curve.yields * load + lowest
+    value = load if curve.control.load is not None else curve.value_per_load * load + lowest
     return StateOutline.of(table, value, load, -lowest, np.array([[at, at]]))

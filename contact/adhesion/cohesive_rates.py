@@ -34,11 +34,11 @@ class EndRates(NamedTuple):
     level: Array
 
 
-def yields_of(control: Control) -> float:
+def value_per_load(control: Control) -> float:
     """Change of the control's value per unit of load: 1, or the compliance of a spring, or 0.
     It is 1 if the load is the control, and 0 if the approach is.
     """
-    return 1.0 if control.load is not None else float(control.yields or 0.0)
+    return 1.0 if control.load is not None else float(control.compliance or 0.0)
 
 
 def contact_rates(
@@ -90,10 +90,10 @@ def _answers(
         values[first, :-1], values[first, -1] = stress, 1.0
     else:
         # Under a fixed approach, each zone has a side condition with the right side
-        # -(value of the control + `yields_of` * force of the tension). `values` holds the
+        # -(value of the control + `value_per_load` * force of the tension). `values` holds the
         # derivatives of this right side with respect to the free ends and to the value.
         values[first : first + len(state.density.zones)] = np.append(
-            np.full(len(free), -yields_of(control) * stress), -1.0
+            np.full(len(free), -value_per_load(control) * stress), -1.0
         )
     return sie.answers(state, free, strengths, values, free)
 

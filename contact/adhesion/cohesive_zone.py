@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from contact.adhesion.cohesive_rates import contact_rates, own_gap_rates, yields_of
+from contact.adhesion.cohesive_rates import contact_rates, own_gap_rates, value_per_load
 from contact.adhesion.cohesive_state import CohesiveState, PastState
 from contact.adhesion.curve import ACCURACY, Curve, State, direct
 from contact.adhesion.deformed_profile import TractionLoaded
@@ -284,12 +284,12 @@ class CohesiveCurve(Curve):
         """The state without contact, if the control is not a load; its gap has a closed form."""
         table, pull = pulled.pulling.table, pulled.pulling.total
         at, count = table.T.ravel(), table.size
-        level = -value - self.yields * pull
+        level = -value - self.value_per_load * pull
         gap = pulled.shape(at) + level
         gap_samples = samples_with_extremes(
             lambda x: pulled.shape(x) + level, sample_places(pulled, np.zeros((0, 2)))
         )
-        rates = own_gap_rates(pulled, at, np.zeros(count)) - self.yields * self.stress
+        rates = own_gap_rates(pulled, at, np.zeros(count)) - self.value_per_load * self.stress
         return CohesiveState(
             table,
             value,
@@ -301,7 +301,7 @@ class CohesiveCurve(Curve):
             np.zeros((0, 2)),
             None,
             np.zeros((0, count + 1)),
-            np.append(np.full(count, -self.yields * self.stress), -1.0),
+            np.append(np.full(count, -self.value_per_load * self.stress), -1.0),
             gap_samples,
         ).at_corners(self.problem.corners)
 
@@ -334,7 +334,7 @@ class CohesiveCurve(Curve):
         pull = pulled.pulling.total
         may_separate: CohesiveState | None = None
         if self._may_be_loose:
-            level, x = -value - self.yields * pull, sample_places(pulled, none)
+            level, x = -value - self.value_per_load * pull, sample_places(pulled, none)
             may_separate = CohesiveState.under_all(
                 value,
                 -pull,
@@ -359,12 +359,12 @@ class CohesiveCurve(Curve):
 
     def inner_control(self, pulled: TractionLoaded, value: float) -> Control:
         """The control for the contact pressure q, whose load includes the force of the tension."""
-        return replace(self.control, value=value + self.yields * pulled.pulling.total)
+        return replace(self.control, value=value + self.value_per_load * pulled.pulling.total)
 
     @property
-    def yields(self) -> float:
-        """Change of the control's value per unit of load, see `yields_of`."""
-        return yields_of(self.control)
+    def value_per_load(self) -> float:
+        """Change of the control's value per unit of load."""
+        return value_per_load(self.control)
 
     def fields(self, here: State, tolerance: float = ACCURACY.density) -> ZoneFields:
         """The fields of a state, at the accuracy with which the state was solved."""
@@ -390,7 +390,7 @@ class CohesiveCurve(Curve):
         # fixed load the unit is the total force of the tension, `bears`. Under another control the
         # unit is the reach plus the change of the control's value due to that force.
         bears = self.stress * float(np.diff(here.table, axis=1).sum())
-        return bears if self.control.load is not None else self.reach + self.yields * bears
+        return bears if self.control.load is not None else self.reach + self.value_per_load * bears
 
     @property
     def formally(self) -> "CohesiveCurve":

@@ -118,14 +118,14 @@ class Events:
         """The path state reached when the ends of given zones have advanced to an equilibrium."""
         try:
             try:
-                return self._at_rest(grown(self.curve, table, value))
+                return self._path_state(grown(self.curve, table, value))
             except NotConverged:
                 # Under a fixed approach, an end that advances may stop another end or make it
                 # recede.
                 rest = None if self.by_load else relaxed(self.curve, table, value)
                 if rest is None:
                     raise
-                return self._at_rest(rest)
+                return self._path_state(rest)
         except Closed:
             return PathState(value, closed=True)
 
@@ -145,9 +145,9 @@ class Events:
                 if self.by_load or value <= self.first
                 else self.grown(touched(self.curve, self.cell, value), value)
             )
-        return self._at_rest(rest)
+        return self._path_state(rest)
 
-    def _at_rest(self, here: State) -> PathState:
+    def _path_state(self, here: State) -> PathState:
         rest = self.curve.settled(here)
         if not float(np.abs(rest.residual).max()) < ACCURACY.resting_step:
             raise NotConverged(

@@ -155,7 +155,7 @@ class _CohesivePath:
         """Zones of contact under tension on the whole period, or a first guess of these zones."""
         problem, known = self.scaled.problem, self.curve.known
         context = self._at(value)
-        if self.curve.control.yields:
+        if self.curve.control.compliance:
             if known and len(known[-1].zones) and value < self._full[0] - self._full[1]:
                 return known[-1].zones
             # With a spring, the load follows only from the zones. So the first guess is the zones
@@ -191,11 +191,11 @@ class _CohesivePath:
         if held.load is not None:
             return load / units.load, full * period / units.load
         base = 2 * (self.context.operator.compression or 0.0) / scene.E_star / period
-        give = (held.yields or 0.0) * units.height / units.load
-        if base + give == 0.0:
+        spring = (held.compliance or 0.0) * units.height / units.load
+        if base + spring == 0.0:
             return math.inf, 0.0
         mean = assemble.mean_height(scene)
-        return (mean + (base + give) * load) / units.height, mean / units.height
+        return (mean + (base + spring) * load) / units.height, mean / units.height
 
     def separation(self, here: State) -> State | None:
         """The state at which the surfaces separate as the approach falls.

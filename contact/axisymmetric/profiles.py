@@ -25,7 +25,7 @@ import sie
 from contact.axisymmetric.octaves import LogDerivative, Octaves
 from contact.axisymmetric.quadrature import panels, quarter
 from contact.errors import SceneError
-from contact.model.checks import keep, positive, such
+from contact.model.checks import checked_number, keep, positive
 from sie import Array
 
 
@@ -367,7 +367,7 @@ class PowerLaw(Power):
     scale: float
 
     def __post_init__(self) -> None:
-        exponent = such(
+        exponent = checked_number(
             "exponent",
             self.exponent,
             "a finite number from 1 to 300",

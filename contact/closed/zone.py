@@ -208,12 +208,14 @@ def zone_at_approach(problem: OneZoneProblem, approach: float, datum: float | No
     """
 
     def residual(half: Value, total: Value, rate: Value) -> tuple[Value, Value, Value]:
-        give = -problem.even_level(half, datum) / math.pi
-        present = problem.mean_height(half) + give * total
+        compliance = -problem.even_level(half, datum) / math.pi
+        present = problem.mean_height(half) + compliance * total
         lost = (
-            SUM_ROUND_OFF * (abs(lowest(problem.profile)) + approach + abs(give) * total) / present
+            SUM_ROUND_OFF
+            * (abs(lowest(problem.profile)) + approach + abs(compliance) * total)
+            / present
         )
-        return np.log(approach / present), give * half * rate / present, lost
+        return np.log(approach / present), compliance * half * rate / present, lost
 
     # Without a period, the approach grows with the half width of the zone up to about twice the
     # datum (the length that fixes the constant of the displacement), and falls for wider zones.

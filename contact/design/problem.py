@@ -31,7 +31,7 @@ class Contacts(NamedTuple):
     stresses: tuple[Places, ...]  # local maxima of the equivalent stress, if they are needed
 
     @property
-    def yields(self) -> bool:
+    def at_first_yield(self) -> bool:
         """Whether the stresses were computed under the load of first yield."""
         return bool(self.stresses) and self.stresses[0].first is not None
 
@@ -206,7 +206,7 @@ class Problem:
         first = np.argmax(values, axis=1)
         mean = slopes[np.arange(len(first)), first].mean(axis=0)
         # The values at first yield are inverse loads.
-        return np.asarray(-mean * found.stresses[0].largest ** 2 if found.yields else mean)
+        return np.asarray(-mean * found.stresses[0].largest ** 2 if found.at_first_yield else mean)
 
     def competing(self, vector: Array) -> Array:
         """Values at the places that compete for the objective: a row of n + 1 for each contact.

@@ -5,12 +5,12 @@ of a zone is minus its approach:
 
     load        int p = P, equal levels of all zones     mean pressure P / period
     approach    level -approach of every zone            mean gap = mean f - approach + mean u
-    machine     level - give int p = -value
+    machine     level - compliance int p = -value
     half width  given ends, which do not move
     width       int p unknown, equal levels,             mean pressure unknown,
                 ends with a given total width            ends with a given total width
 
-The compliance of the spring of a testing machine is `give`. The mean displacement, mean u, is
+Here `compliance` is that of the spring of a testing machine. The mean displacement, mean u, is
 `compression` times the mean pressure. Loads are per period where there is one. Loads are in units
 of `Units.load`, approaches in `Units.height`, widths in `Units.length`.
 """
@@ -48,7 +48,7 @@ class Control:
     quantity: ClassVar[Quantity | None] = None
     # Compliance d approach / d load of the loading device. It is 0 if the device prescribes the
     # approach, and None if the device prescribes the load.
-    yields: ClassVar[float | None] = None
+    compliance: ClassVar[float | None] = None
 
     def _if(self, quantity: Quantity) -> float | None:
         return self.value if self.quantity is quantity else None
@@ -115,7 +115,7 @@ class Approach(Control):
 
     name, counted_in = "approach", "height"
     quantity = Quantity.APPROACH
-    yields = 0.0
+    compliance = 0.0
 
     def conditions(self) -> Conditions:
         return (sie.Level(-self.value),), ()
@@ -135,17 +135,20 @@ class Approach(Control):
 
 @dataclass(frozen=True)
 class Machine(Control):
-    """Control by the approach of a spring's far end: the contact's approach + `give` * load."""
+    """Control by the approach of the far end of a spring in series with the contact.
 
-    give: float
+    This is the approach of the contact plus `spring_compliance` times the load.
+    """
+
+    spring_compliance: float
     name, counted_in = "machine", "height"
 
     @property
-    def yields(self) -> float:  # type: ignore[override]
-        return self.give
+    def compliance(self) -> float:  # type: ignore[override]
+        return self.spring_compliance
 
     def conditions(self) -> Conditions:
-        return (_SpringLevel(-self.value, self.give),), ()
+        return (_SpringLevel(-self.value, self.spring_compliance),), ()
 
 
 @dataclass(frozen=True)
@@ -177,10 +180,10 @@ class Width(Control):
 
 @dataclass(frozen=True)
 class _SpringLevel(sie.Condition):
-    """Condition of loading by a spring: at every zone, approach + `give` * load = -`value`."""
+    """Condition of loading by a spring: approach + `compliance` * load = -`value` at every zone."""
 
     value: float
-    give: float
+    compliance: float
     levels = True
 
     def count(self, zones: sie.Zones) -> int:
@@ -191,8 +194,8 @@ class _SpringLevel(sie.Condition):
         totals, known = system.totals()
         weight = system.multiplicity()
         return (
-            matrix - self.give * (weight @ totals),
-            constants - self.give * (weight @ known),
+            matrix - self.compliance * (weight @ totals),
+            constants - self.compliance * (weight @ known),
             np.full(len(constants), self.value),
         )
 

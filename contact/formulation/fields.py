@@ -230,14 +230,14 @@ class ZoneFields(NoPlateaus, sie.Kept):
             (np.abs(self.density.coefficients).max(axis=1) * np.sqrt(zones.half / 2)).max()
         ) / abs(wanted)
 
-    def second_variation(self, yields: float | None = None) -> Array:
+    def second_variation(self, compliance: float | None = None) -> Array:
         """Scaled Hessian (2 Z, 2 Z) of the energy by outward displacements of all free zone ends.
 
         Row i, column j is dG_i/ds_j / (2 w) times the square roots of both zones' widths. Here G =
         w (K/K*)^2 is the energy release rate at end i, with the work of adhesion w, the intensity K
         and the prescribed one K*; s_j is the motion of end j. Ends at sharp corners do not move and
-        are left out. yields: compliance d approach / d load of the loading device; None if it
-        prescribes the load.
+        are left out. compliance: d approach / d load of the loading device; None if it prescribes
+        the load.
         """
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
@@ -247,10 +247,10 @@ class ZoneFields(NoPlateaus, sie.Kept):
         ).whole
         rates = sie.end_rates(state)
         matrix = rates.intensities
-        if yields is not None:
+        if compliance is not None:
             by_load = np.concatenate(state.response(state.values()).intensities)
             matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (
-                float(state.level_rates(state.values()).mean()) - yields
+                float(state.level_rates(state.values()).mean()) - compliance
             )
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         moves = zones.moves.ravel()

@@ -36,7 +36,7 @@ from sie import Array
 
 # Number of samples of the profile height on a zone, among which local minima are counted. If a
 # minimum is missed, the search only takes longer.
-LOOKS = 2**10
+SAMPLES_PER_ZONE = 2**10
 
 
 def first_order(
@@ -91,7 +91,7 @@ def _is_asperity(problem: Problem, zones: Array) -> bool:
     """Whether there is a single zone in which the profile has at most one local minimum."""
     if len(zones) != 1:
         return False
-    inside = np.linspace(float(zones[0, 0]), float(zones[0, 1]), LOOKS)
+    inside = np.linspace(float(zones[0, 0]), float(zones[0, 1]), SAMPLES_PER_ZONE)
     height = problem.shape(inside)
     return int(np.sum((height[1:-1] < height[:-2]) & (height[1:-1] <= height[2:]))) <= 1
 

@@ -51,44 +51,44 @@ def centred(context: SolveContext, scaled: ScaledScene, start: Array | None) -> 
     scaled = replace(scaled, problem=problem)
     first = search(context, scaled, start)
     assert isinstance(first, SolvedZones)  # full contact does not occur in a strip
-    found = _at_rest(context, scaled, first)
+    found = _centre_strip(context, scaled, first)
     if found.fields.problem.amplitude is None or problem.interaction.follows_isolated:
         return found
     return replace(found, fields=replace(found.fields, amplitude_rate=1 / problem.repeat_length))
 
 
-def _at_rest(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> SolvedZones:
+def _centre_strip(context: SolveContext, scaled: ScaledScene, found: SolvedZones) -> SolvedZones:
     """The zones after the strip was moved until its centre is the middle of its zones."""
     before: tuple[float, float, Array] | None = None
-    misses, stalled, failed = [math.inf], math.inf, 0
+    offsets, stalled, failed = [math.inf], math.inf, 0
     for _ in range(SEARCH.max_steps):
         zones, centre = found.free.density.zones, found.fields.problem.centre
         width = float((zones.b - zones.a).min())
-        miss = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
-        step, follows, expected, is_secant = miss, 1.0, zones.table, False
-        if before is not None and before[2].shape == zones.table.shape and before[1] != miss:
+        offset = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
+        step, follows, expected, is_secant = offset, 1.0, zones.table, False
+        if before is not None and before[2].shape == zones.table.shape and before[1] != offset:
             shift, is_secant = centre - before[0], True
-            longest = OPTIONS.longest_step * max(abs(miss), abs(shift))
-            secant = miss * shift / (before[1] - miss)
+            longest = OPTIONS.longest_step * max(abs(offset), abs(shift))
+            secant = offset * shift / (before[1] - offset)
             step = min(max(secant, -longest), longest)
             rate = (zones.table - before[2]) / shift
-            follows = max(float(np.abs(rate).max()) * abs(shift / (before[1] - miss)), 1.0)
+            follows = max(float(np.abs(rate).max()) * abs(shift / (before[1] - offset)), 1.0)
             expected = zones.table + step * rate
         close = 0.1 * context.tolerance * width + float(np.spacing(abs(centre)))
-        if abs(miss) * follows <= close or stalled < abs(miss) < TOLERANCES.noise * width:
-            left = abs(miss) * follows / width
+        if abs(offset) * follows <= close or stalled < abs(offset) < TOLERANCES.noise * width:
+            left = abs(offset) * follows / width
             return replace(found, control_error=found.control_error + left)
-        # If a secant step does not reduce a small `miss` (distance from the centre to the middle of
-        # the zones) to a quarter, the remaining `miss` is round-off. Small means below
+        # If a secant step does not reduce a small `offset` (distance from the strip's centre to the
+        # middle of the zones) to a quarter, the remaining `offset` is round-off. Small means below
         # `TOLERANCES.noise` times `width`.
-        stalled = 0.25 * abs(miss) if is_secant else math.inf
-        misses.append(abs(miss))
-        # The search ends if `miss` (distance from the centre to the middle of the zones) has not
-        # halved within a few steps. Such a failure shows that the middle of the zones jumps.
-        recent = misses[-SEARCH.max_attempts :]
-        if len(misses) > len(recent) and min(recent) > 0.5 * min(misses[: -SEARCH.max_attempts]):
+        stalled = 0.25 * abs(offset) if is_secant else math.inf
+        offsets.append(abs(offset))
+        # The search ends if `offset` has not halved within a few steps. Such a failure shows that
+        # the middle of the zones jumps.
+        recent = offsets[-SEARCH.max_attempts :]
+        if len(offsets) > len(recent) and min(recent) > 0.5 * min(offsets[: -SEARCH.max_attempts]):
             break
-        before = centre, miss, zones.table
+        before = centre, offset, zones.table
         # The step is halved until zones are found. If this fails many times, a zone comes or goes
         # between the present centre and the wanted one.
         problem = found.fields.problem

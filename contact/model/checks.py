@@ -15,7 +15,7 @@ from contact.errors import SceneError, UnknownArgument
 from sie import Array
 
 
-def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
+def checked_number(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
     """Return `value` as a float if it is a finite real number and `holds` is true for it.
 
     holds: a function that tests the value; allowed: the tested property in words, for messages.
@@ -37,7 +37,7 @@ def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -
 
 def finite(field: str, value: Any, allowed: str = "a finite real number") -> float:
     """Return a finite real number as a float."""
-    return such(field, value, allowed, isfinite)
+    return checked_number(field, value, allowed, isfinite)
 
 
 def as_array(value: Any) -> NDArray[Any]:
@@ -115,7 +115,7 @@ def both_or_neither(E2: float | None, nu2: float | None) -> None:
 
 def positive(field: str, value: Any) -> float:
     """Return a finite number > 0."""
-    return such(field, value, "a finite number > 0", lambda number: number > 0)
+    return checked_number(field, value, "a finite number > 0", lambda number: number > 0)
 
 
 def keep(part: Any, check: Callable[[str, Any], Any], *names: str) -> None:
@@ -126,12 +126,12 @@ def keep(part: Any, check: Callable[[str, Any], Any], *names: str) -> None:
 
 def non_negative(field: str, value: Any) -> float:
     """Return a finite number >= 0."""
-    return such(field, value, "a finite number >= 0", lambda number: number >= 0)
+    return checked_number(field, value, "a finite number >= 0", lambda number: number >= 0)
 
 
 def between(field: str, value: Any, low: float, high: float) -> float:
     """Return a finite number strictly between low and high."""
-    return such(
+    return checked_number(
         field,
         value,
         f"a finite number above {low:.17g} and below {high:.17g}",
@@ -141,7 +141,7 @@ def between(field: str, value: Any, low: float, high: float) -> float:
 
 def poisson_ratio(field: str, value: Any) -> float:
     """Return the Poisson ratio of a stable body: above -1 and at most 0.5."""
-    return such(
+    return checked_number(
         field, value, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5
     )
 

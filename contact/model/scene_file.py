@@ -21,7 +21,7 @@ from contact.extras import require
 from contact.model.checks import one_of, text
 from contact.model.controls import CONTROLS, TURNING, fields_under
 from contact.model.profiles.base import Profile
-from contact.model.profiles.combined import STANDS, Combined
+from contact.model.profiles.combined import PLACEMENT_KEYS, Combined
 from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import (
     INTERACTIONS,
@@ -179,8 +179,8 @@ def _read_profile(table: Table, directory: Path) -> Profile:
 
 def _read_counter(table: Table, directory: Path, profile: Profile) -> Profile:
     shape = dict(table)
-    stands = {key: shape.pop(key) for key in STANDS if key in table}
-    return Combined(profile, _read_profile(shape, directory), **stands)
+    placement = {key: shape.pop(key) for key in PLACEMENT_KEYS if key in table}
+    return Combined(profile, _read_profile(shape, directory), **placement)
 
 
 def _read_material(table: Table) -> float:

@@ -184,10 +184,10 @@ class PlasticFields(ZoneFields):
         # `super().mean_gap` is the mean of displacement plus profile minus approach. On plateaus
         # this is minus the overlap, but the true gap is zero. So the overlap is added.
         units, problem = self.problem.units, self.problem
-        return super().mean_gap + self.mean_overlap * problem.repeat_length**-1 * units.height
+        return super().mean_gap + self.overlap_integral * problem.repeat_length**-1 * units.height
 
     @cached_property
-    def mean_overlap(self) -> float:
+    def overlap_integral(self) -> float:
         """Integral of the overlap of the surfaces over all plateaus, in scaled units."""
         total, breaks = 0.0, self.problem.forcing.jumps.broken_at
         for lo, hi in self.density.plateaus.tolist():

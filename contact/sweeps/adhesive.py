@@ -303,8 +303,8 @@ def adhesive_path(
 ) -> AdhesivePath:
     """The path of surfaces that adhere; for the parameters see `contact.path`."""
     given = finite_array("values", values)
-    give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
-    run = _PathRun(scene.under(control, 0.0), control, tol, give)
+    spring_compliance = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
+    run = _PathRun(scene.under(control, 0.0), control, tol, spring_compliance)
     run.refuse(given)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
@@ -369,12 +369,14 @@ def _places(scene: Scene, zones: Array, count: int = 601) -> Array:
 class _PathRun:
     """A loading path in progress: its scene, the path already followed, and recorded equilibria.
 
-    scene: the scene at the value 0 of the control. give: compliance of the spring [m per N/m].
+    scene: the scene at the value 0 of the control. spring_compliance: in m per N/m.
     """
 
-    def __init__(self, scene: Scene, control: str, tol: float, give: float | None) -> None:
+    def __init__(
+        self, scene: Scene, control: str, tol: float, spring_compliance: float | None
+    ) -> None:
         self.scene, self.control, self.tol = scene, control, tol
-        self.context = replace(context_of(scene, tol), spring_compliance=give)
+        self.context = replace(context_of(scene, tol), spring_compliance=spring_compliance)
         self.by = route_of(self.context)
         self.curve = self.by.law.curve
         self.problem = self.curve.problem
@@ -393,7 +395,7 @@ class _PathRun:
             )
             width = float(np.diff(point.contact).sum()) * units.length
             self.followed.append((point.load * units.load, approach, width, self.rises))
-        elif self.curve.control.yields is not None:
+        elif self.curve.control.compliance is not None:
             self.followed.append((0.0, value * units.height, 0.0, self.rises))
 
     def jumped(self, jump: Jump) -> None:
@@ -489,7 +491,7 @@ class _PathRun:
         return assemble.apart_solution(
             context.scene,
             self.problem,
-            None if held.yields is None else here.value * units.height,
+            None if held.compliance is None else here.value * units.height,
             context.plan,
         )
 
@@ -566,7 +568,7 @@ class _PathRun:
             )
             return load, full.approach, self._energy(full, self.scene.period), none
         held = self.curve.control
-        approach: float | None = 0.0 if held.yields is None else standing.value * units.height
+        approach: float | None = 0.0 if held.compliance is None else standing.value * units.height
         return 0.0, approach if self.problem.operator.has_approach else None, 0.0, none
 
     def _energy(self, fields: Any, width: float) -> float | None:

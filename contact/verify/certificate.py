@@ -262,8 +262,8 @@ def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
     error, stability = _intensity_error(fields), None
     name = "load" if control is None else control.name
     if control is None or control.half_width is None:
-        yields = None if control is None else control.yields
-        stability = least_eigenvalue(fields.second_variation(yields))
+        compliance = None if control is None else control.compliance
+        stability = least_eigenvalue(fields.second_variation(compliance))
     if error > TOLERANCES.edge_condition * max(1.0, fields.bending):
         return _Equilibrium(error, stability, f"an end misses its intensity by {error:.1e}")
     if stability is not None and not stability > 0.0:

@@ -37,8 +37,8 @@ from sie.ends.steps import (
 from sie.equation.equation import Equation
 from sie.fast.iteration import OPTIONS as ITERATION
 from sie.slits.system import AnyDensity, AnyState, solve_zones
+from sie.states.options import CHECK_ANGLES
 from sie.states.options import OPTIONS as ERRORS
-from sie.states.options import THETA
 from sie.states.rounding import density_changes
 from sie.states.sizes import Sizes, first_sizes, sizes_like
 from sie.states.solve import SingularSystem
@@ -172,7 +172,7 @@ class Free:
             return out
         assert isinstance(density, Density)
         rims = np.flatnonzero(self.narrow_rims)
-        at = rims[:, None], *sides(THETA)
+        at = rims[:, None], *sides(CHECK_ANGLES)
         solved = replace(density, zones=replace(density.zones, depth=out))
         out[rims] = np.abs(solved.at(*at) - density.passage(*at)).max(axis=1)
         return out

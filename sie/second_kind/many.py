@@ -34,7 +34,7 @@ from sie.equation.conditions import Linear, Rows, ZoneTotals
 from sie.equation.equation import Equation
 from sie.fast.iteration import OPTIONS as ITERATION
 from sie.second_kind.system import SecondKindRows, alike, targets_at
-from sie.states.options import THETA
+from sie.states.options import CHECK_ANGLES
 from sie.trees.far import FarSum, Nested, reaches
 from sie.trees.krylov import gmres
 from sie.trees.panels import panels_over
@@ -84,8 +84,8 @@ def nodes_of(m: int) -> tuple[Array, Array]:
 
 
 def between_nodes(m: int) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) at the check points t = cos(THETA), the same for every number m of modes."""
-    return 2 * np.cos(0.5 * THETA) ** 2, 2 * np.sin(0.5 * THETA) ** 2
+    """(1 + t, 1 - t) at the check points t = cos(CHECK_ANGLES), the same for any number of modes."""
+    return 2 * np.cos(0.5 * CHECK_ANGLES) ** 2, 2 * np.sin(0.5 * CHECK_ANGLES) ** 2
 
 
 @record
@@ -122,7 +122,7 @@ class FieldSums:
 
     @cached_property
     def near_between(self) -> Any:
-        """Sparse matrix like `near`, but to the field at the angles THETA between the nodes."""
+        """Sparse matrix like `near`, but to the field at CHECK_ANGLES between the nodes."""
         return self._near(between_nodes)
 
     def _near(self, points: PointsOf) -> Any:
@@ -238,10 +238,10 @@ class FieldSums:
         return out
 
     def between(self, y: Array) -> Array:
-        """Field of other zones on each zone, at the angles THETA between its nodes (Z, points)."""
+        """Field of other zones on each zone, at CHECK_ANGLES between its nodes (Z, points)."""
         series = self._far_series(y, False)
-        waves = np.cos(np.arange(TERMS)[:, None] * THETA)
-        return np.asarray(series @ waves + (self.near_between @ y).reshape(-1, len(THETA)))
+        waves = np.cos(np.arange(TERMS)[:, None] * CHECK_ANGLES)
+        return np.asarray(series @ waves + (self.near_between @ y).reshape(-1, len(CHECK_ANGLES)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,13 +310,13 @@ class ManyRows(Rows):
         return self.sums.projected(self.dense.right_side(self.dense.points[0]))
 
     def residuals(self, y: Array) -> Array:
-        """Residual of the equation at the zones' angles THETA, times sin(theta) (Z, points)."""
+        """Residual of the equation at CHECK_ANGLES of the zones, times sin(theta) (Z, points)."""
         zones, out = self.zones, self.sums.between(y)
         left, right = between_nodes(0)
         for basis, m, group, unknowns in self.sums.groups:
             out[group] -= y[unknowns[:, 1:]] @ basis.images.table(m, left, right).T
-        g = self.dense.right_side(targets_at(zones, np.broadcast_to(THETA, out.shape)))
-        return np.asarray((out - g.reshape(out.shape)) * np.sin(THETA))
+        g = self.dense.right_side(targets_at(zones, np.broadcast_to(CHECK_ANGLES, out.shape)))
+        return np.asarray((out - g.reshape(out.shape)) * np.sin(CHECK_ANGLES))
 
     def totals(self) -> Linear:
         layout, scale = self.dense.layout, np.pi * self.zones.half

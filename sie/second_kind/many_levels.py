@@ -32,7 +32,7 @@ from sie.second_kind.many import (
 )
 from sie.second_kind.state import OPTIONS
 from sie.second_kind.system import bases_of, targets_at
-from sie.states.options import THETA
+from sie.states.options import CHECK_ANGLES
 from sie.trees.tree import TERMS, apart
 
 Weight = Callable[[Array], Array]
@@ -129,16 +129,16 @@ class LevelRows(ManyRows):
         left, right = between_nodes(0)
         for basis, m, group, unknowns in self.sums.groups:
             out[group] -= y[unknowns[:, 1:]] @ basis.images.table(m, left, right).T
-        targets = targets_at(zones, np.broadcast_to(THETA, out.shape))
+        targets = targets_at(zones, np.broadcast_to(CHECK_ANGLES, out.shape))
         g = self.dense.forcing_at(targets).reshape(out.shape)
         if self.dense.jumps:
-            waves = np.cos(np.arange(TERMS)[:, None] * THETA)
+            waves = np.cos(np.arange(TERMS)[:, None] * CHECK_ANGLES)
             near = self._known_near(between_nodes, False).reshape(out.shape)
             g = g - near - self._known_far[0] @ waves
         for number, column in enumerate(self.dense.equation.columns):
             amplitude = y[self.sums.layout.coefficients + number]
             g = g + amplitude * np.asarray(column.value(targets.x)).reshape(out.shape)
-        return np.asarray((out - g) * np.sin(THETA))
+        return np.asarray((out - g) * np.sin(CHECK_ANGLES))
 
     @cached_property
     def column_rows(self) -> Array:

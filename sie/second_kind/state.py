@@ -14,7 +14,7 @@ from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.second_kind.density import SecondKindDensity
 from sie.second_kind.system import SecondKindRows, targets_at
 from sie.states.base import Resolved
-from sie.states.options import LOOKS, THETA
+from sie.states.options import CHECK_ANGLES, CHECK_POINTS
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.sizes import Sizes
 from sie.states.state import AT_ENDS, residual_errors
@@ -225,7 +225,9 @@ class SecondKindState(Resolved):
         """Residual of the equation at points between the nodes, times sin(theta): (Z, points).
         The residual is the left side minus the right side.
         """
-        return self._residuals_at(np.broadcast_to(THETA, (len(self.density.zones), LOOKS)))
+        return self._residuals_at(
+            np.broadcast_to(CHECK_ANGLES, (len(self.density.zones), CHECK_POINTS))
+        )
 
     @cached_property
     def _end_residuals(self) -> Array:
@@ -349,7 +351,7 @@ class SecondKindState(Resolved):
             return "that is what rounding leaves: side conditions nearly depend on each other"
         row, column = np.unravel_index(np.argmax(residuals), residuals.shape)
         zones = self.density.zones
-        place = zones.middle[row] + zones.half[row] * math.cos(THETA[column % LOOKS])
+        place = zones.middle[row] + zones.half[row] * math.cos(CHECK_ANGLES[column % CHECK_POINTS])
         return (
             f"at x = {place:.6g} on zone {int(row)} (counted from 0) the equation is off by "
             f"{residuals.max():.1e} of a density of the size {size:.1e}"

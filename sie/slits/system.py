@@ -32,7 +32,7 @@ from sie.second_kind.state import SecondKindState
 from sie.slits.density import SlitDensity
 from sie.slits.slits import OPTIONS, SlitGeometry, Slits, merge
 from sie.states.base import Answered, Solver, density_of
-from sie.states.options import LOOKS, THETA
+from sie.states.options import CHECK_ANGLES, CHECK_POINTS
 from sie.states.options import OPTIONS as ERRORS
 from sie.states.rounding import density_rounding, truncation_through_rows
 from sie.states.sizes import Carried, Sizes, first_sizes
@@ -442,19 +442,19 @@ class SlitState(Answered):
 
     @cached_property
     def _residuals(self) -> Array:
-        """Residual of the equation at the angles THETA of each given zone (n, LOOKS).
+        """Residual of the equation at CHECK_ANGLES of each given zone (n, CHECK_POINTS).
 
         It is multiplied by sqrt(1 - t^2) of the wide zone.
         """
-        zones, t = self.density.zones, np.cos(THETA)
+        zones, t = self.density.zones, np.cos(CHECK_ANGLES)
         x = (zones.middle[:, None] + zones.half[:, None] * t).ravel()
         value = self.density.transform(x) - self.right_side(x)
-        return np.asarray(value.reshape(-1, LOOKS) * self._wide_sines)
+        return np.asarray(value.reshape(-1, CHECK_POINTS) * self._wide_sines)
 
     @cached_property
     def _wide_sines(self) -> Array:
-        """sqrt(1 - t^2) of the wide zone at the angles THETA of each given zone (n, LOOKS)."""
-        zones, geometry, t = self.density.zones, self.geometry, np.cos(THETA)
+        """sqrt(1 - t^2) of the wide zone at CHECK_ANGLES of each given zone (n, CHECK_POINTS)."""
+        zones, geometry, t = self.density.zones, self.geometry, np.cos(CHECK_ANGLES)
         left = geometry.start[:, None] + (zones.half[:, None] * (1 + t))
         right = geometry.rest[:, None] + (zones.half[:, None] * (1 - t))
         return np.asarray(
@@ -489,14 +489,16 @@ class SlitState(Answered):
     @cached_property
     def zone_sizes(self) -> Array:
         """Largest value of the density times sqrt(1 - t^2) on each given zone (n,)."""
-        left, right = sides(THETA)
+        left, right = sides(CHECK_ANGLES)
         piece = np.arange(len(self.density.zones))[:, None]
-        return np.asarray(np.abs(self.density.at(piece, left, right) * np.sin(THETA)).max(axis=1))
+        return np.asarray(
+            np.abs(self.density.at(piece, left, right) * np.sin(CHECK_ANGLES)).max(axis=1)
+        )
 
     @cached_property
     def _sines(self) -> Array:
         """Ratio of sqrt(1 - t^2) of each given zone to sqrt(1 - t^2) of its wide zone."""
-        return np.asarray(np.sin(THETA) / self._wide_sines)
+        return np.asarray(np.sin(CHECK_ANGLES) / self._wide_sines)
 
     def _errors_over(self, sizes: Array) -> Array:
         """Error (n,) of the density on each given zone, divided by `sizes` of the density.

@@ -27,5 +27,5 @@ OPTIONS = ErrorOptions()
 
 # Number of points of each zone at which the residual is evaluated, and their angles. None of these
 # points is a node.
-LOOKS = 15
-THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
+CHECK_POINTS = 15
+CHECK_ANGLES = (np.arange(CHECK_POINTS) + 0.4142) * np.pi / CHECK_POINTS

@@ -14,7 +14,7 @@ import numpy as np
 
 from sie.basis.data import EPS, SUM_ROUNDING, record
 from sie.dense import modes
-from sie.states.options import LOOKS, THETA
+from sie.states.options import CHECK_ANGLES, CHECK_POINTS
 from sie.states.options import OPTIONS as ERRORS
 
 
@@ -88,7 +88,9 @@ class _Worst:
         row = int(np.argmax(np.maximum(residuals.max(axis=1), missing)))
         column = int(residuals[row].argmax())
         piece = int(solved[row])
-        place = float(zones.middle[piece] + zones.half[piece] * math.cos(THETA[column % LOOKS]))
+        place = float(
+            zones.middle[piece] + zones.half[piece] * math.cos(CHECK_ANGLES[column % CHECK_POINTS])
+        )
         zone = int(whole_zone(state, piece))
         values = float(np.abs(state.right_side(np.array([place])))[0])
         terms = values + float(

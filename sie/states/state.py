@@ -12,7 +12,7 @@ from sie.dense import modes
 from sie.dense.system import System
 from sie.density.density import Density
 from sie.states.base import Solved, coefficient_sizes
-from sie.states.options import LOOKS, OPTIONS, THETA
+from sie.states.options import CHECK_ANGLES, CHECK_POINTS, OPTIONS
 from sie.states.rounding import density_rounding, intensity_rounding, truncation_through_rows
 
 # Maximum over t of |T_k - T_(k mod 2)| / (k sqrt(1 - t^2)) for large k, reached near an end. The
@@ -275,17 +275,17 @@ class State(Solved):
 
     @cached_property
     def _residual(self) -> Array:
-        """The largest residual of the equation on each solved zone, at the check angles THETA."""
+        """The largest residual of the equation on each solved zone, at CHECK_ANGLES."""
         return np.asarray(np.abs(self._residuals).max(axis=1))
 
     @cached_property
     def _residuals(self) -> Array:
         """Residual of the equation times sqrt(1 - t^2), at check angles on each solved zone.
-        The angles are THETA.
+        The angles are CHECK_ANGLES.
         """
         return self._residuals_at(
             self.density.zones.solved,
-            np.broadcast_to(THETA, (len(self.density.zones.solved), LOOKS)),
+            np.broadcast_to(CHECK_ANGLES, (len(self.density.zones.solved), CHECK_POINTS)),
         )
 
     def _residuals_at(self, solved: Index, theta: Array) -> Array:
@@ -307,10 +307,10 @@ class State(Solved):
 
 @lru_cache(maxsize=1)
 def separated_modes() -> tuple[Array, Array]:
-    """Values of sin(k theta) at the check angles THETA, k <= LOOKS / 2, and a pseudo-inverse.
+    """Values of sin(k theta) at CHECK_ANGLES, k <= CHECK_POINTS / 2, and a pseudo-inverse.
     The pseudo-inverse gives the amplitudes of these low modes of a residual from its values.
     """
-    values = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
+    values = np.sin(CHECK_ANGLES[:, None] * np.arange(1, 1 + CHECK_POINTS // 2))
     return values, np.linalg.pinv(values)
 
 
@@ -353,7 +353,7 @@ def residual_errors(
     rounding: Array,
     separated: Mask | bool = True,
 ) -> Array:
-    """Relative error of the density on each zone (n,), from residuals at the check angles THETA.
+    """Relative error of the density on each zone (n,), from residuals at CHECK_ANGLES.
     residuals: the residual times sqrt(1 - t^2), of the shape (n, angles).
 
     rounding: round-off of the jumps' closed forms, which the residuals include. separated: mask of
@@ -371,7 +371,7 @@ def residual_errors(
         )
         / size
     )
-    # Between the angles THETA the residual may be about three times as large as at these angles.
+    # Between CHECK_ANGLES the residual may be about three times as large as at these angles.
     # `coupled` is the number of modes of each zone, and `5e-16 * coupled` is their round-off.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return np.asarray(beyond + high + 5e-16 * coupled)

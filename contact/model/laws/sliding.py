@@ -20,12 +20,12 @@ import numpy as np
 
 from contact.model.checks import (
     both_or_neither,
+    checked_number,
     finite,
     keep,
     non_negative,
     poisson_ratio,
     positive,
-    such,
 )
 from contact.model.controls.base import Quantity
 from contact.model.laws.base import Law, Routes
@@ -81,13 +81,13 @@ def _compliances(body: str, E: float, nu: float) -> tuple[float, float]:
 
 
 def _beta(field: str, value: Any) -> float:
-    return such(
+    return checked_number(
         field, value, "a number from -0.5 to 0.5, as Dundurs' constant", lambda b: abs(b) <= 0.5
     )
 
 
 def _direction(field: str, value: Any) -> int:
-    return int(such(field, value, "1 or -1", lambda number: number in (1.0, -1.0)))
+    return int(checked_number(field, value, "1 or -1", lambda number: number in (1.0, -1.0)))
 
 
 @register_law("sliding")

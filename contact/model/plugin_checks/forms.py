@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.checks import as_array, finite, of_author, such
+from contact.model.checks import as_array, checked_number, finite, of_author
 from contact.model.controls.base import CONTROLS, Control, Held, Quantity
 from contact.model.interactions.base import Interaction
 from contact.model.laws.base import Law
@@ -237,7 +237,9 @@ class AuthorMethod(NamedTuple):
         self, method: Callable[..., Any], *arguments: Any, allowed: str = "a finite real number"
     ) -> float:
         """The finite number that the method returns; SceneError if it returns anything else."""
-        return such(self.what, self.value(method, *arguments), allowed, lambda number: True)
+        return checked_number(
+            self.what, self.value(method, *arguments), allowed, lambda number: True
+        )
 
     def text(self, method: Callable[..., Any], *arguments: Any) -> str:
         """The text that the method returns; empty if it returns None."""

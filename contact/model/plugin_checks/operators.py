@@ -20,7 +20,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError, shown
-from contact.model.checks import of_author, such
+from contact.model.checks import checked_number, of_author
 from contact.model.operator import Operator, smooth_potential
 from contact.model.plugin_checks.jumps import CHECKS
 from contact.model.profiles.noise import EPS, ROUND_OFF
@@ -212,7 +212,7 @@ def require_body(substrate: Substrate) -> None:
         compression: Any = substrate.compression
     if compression is not None:
         allowed = "None, or a length of at least 0 [m] (a property, not a method)"
-        compression = such(
+        compression = checked_number(
             "substrate.compression", compression, allowed, lambda length: length >= 0
         )
     long, wave = float(values[0]), float(WAVES[0])

@@ -22,7 +22,7 @@ from contact.model.profiles.noise import EPS
 from contact.model.profiles.placement import Overlap, PlacedBody, common_period, same_place
 
 # Keys of the table of a counter body that say where the body is, not which shape it has.
-STANDS = ("shift", "mirrored")
+PLACEMENT_KEYS = ("shift", "mirrored")
 
 
 @dataclass(frozen=True)
@@ -123,12 +123,14 @@ class Combined(Profile):
         return tables
 
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
-        changed = {key: value for key, value in changes.get("counter", {}).items() if key in STANDS}
+        changed = {
+            key: value for key, value in changes.get("counter", {}).items() if key in PLACEMENT_KEYS
+        }
         for place, body in self.bodies.items():
             others = {
                 key: value
                 for key, value in changes.get(place, {}).items()
-                if place == "profile" or key not in STANDS
+                if place == "profile" or key not in PLACEMENT_KEYS
             }
             if others:
                 changed[place] = body.varied({"profile": others})

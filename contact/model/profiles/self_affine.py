@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.checks import integer, positive, such
+from contact.model.checks import checked_number, integer, positive
 from contact.model.profiles.fourier import Fourier
 from contact.model.profiles.noise import ROUND_OFF
 
@@ -68,7 +68,7 @@ def self_affine(
     >>> float(np.sqrt(np.mean(slope**2)).round(12)), rough.period
     (0.1, 0.001)
     """
-    exponent = such(
+    exponent = checked_number(
         "hurst", hurst, "a number above 0 and at most 1", lambda exponent: 0 < exponent <= 1
     )
     length, steepness = positive("period", period), positive("rms_slope", rms_slope)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
-from contact.model.checks import finite, integer, metres, one_of, positive, such
+from contact.model.checks import checked_number, finite, integer, metres, one_of, positive
 from contact.model.profiles.noise import ROUND_OFF
 from contact.model.profiles.sampled import MIN_POINTS
 from contact.model.profiles.sampled import OPTIONS as SAMPLED
@@ -119,7 +119,7 @@ class Preparation:
             if not (given is None or isinstance(given, bool)):
                 check(name, given)
         if self.taper is not None:
-            such(
+            checked_number(
                 "taper",
                 self.taper,
                 "a fraction of the length > 0 and <= 0.5",

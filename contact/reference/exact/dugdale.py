@@ -201,8 +201,8 @@ class DugdaleZone(_DugdaleState):
         With A = pi a/L, C = pi c/L, dB/da = -cos C sin A/(cos A sqrt(sin(C - A) sin(C + A))).
         """
         a, c, length = self.half_width, self.cohesive_end, self.period
-        share_rate = float(cosine(c, length) * sine(a, length) / cosine(a, length)) / self.root
-        return float(self.zone.load_rate(np.array(a))) + 2.0 * self.stress * share_rate
+        rate = -float(cosine(c, length) * sine(a, length) / cosine(a, length)) / self.root
+        return float(self.zone.load_rate(np.array(a))) - 2.0 * self.stress * rate
 
     def _compliance_at(self, q: Array) -> Array:
         """Compliance of the flat punch for which the length B (the property `share`) equals q.
@@ -223,8 +223,8 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def elastic_energy(self) -> float:
-        def work_rate(share: Array, q: Array) -> Array:
-            return (self.zone.load - 2.0 * self.stress * share) * self._compliance_at(q)
+        def work_rate(length: Array, q: Array) -> Array:
+            return (self.zone.load - 2.0 * self.stress * length) * self._compliance_at(q)
 
         released = 2.0 * self.stress * float(integrated(work_rate, self.share))
         return super().elastic_energy - released
@@ -597,10 +597,10 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
         half = 0.5 * self.period
         if self.meeting_half_width == 0.0:
             return half
-        shares = half / (1.0 + np.geomspace(1e-9, 1e9, 400))
-        gaps = np.array([self.touching_gap(float(c)) - self.end_gap for c in shares])
+        ends = half / (1.0 + np.geomspace(1e-9, 1e9, 400))
+        gaps = np.array([self.touching_gap(float(c)) - self.end_gap for c in ends])
         i = int(np.flatnonzero(gaps < 0.0)[0])
-        return root(lambda c: self.touching_gap(c) - self.end_gap, shares[i], shares[i - 1])
+        return root(lambda c: self.touching_gap(c) - self.end_gap, ends[i], ends[i - 1])
 
     def at(self, parameter: float) -> _DugdaleState:
         """The equilibrium with this `parameter`: the end c of the tension, up to half a period.
@@ -615,9 +615,9 @@ class DugdaleWave(Wave, _DugdaleEquilibria):
 
     def _samples(self) -> Array:
         half, least, met = 0.5 * self.period, self.least_cohesive_end, self.meeting_half_width
-        share = 1.0 / (1.0 + np.geomspace(1e9, 1e-9, 60))
-        separate = least + (half - least) * share if least < half else np.empty(0)
-        return np.concatenate([separate, half + (half - met) * share])
+        fraction = 1.0 / (1.0 + np.geomspace(1e9, 1e-9, 60))
+        separate = least + (half - least) * fraction if least < half else np.empty(0)
+        return np.concatenate([separate, half + (half - met) * fraction])
 
 
 def _root_below(most: float, function: Callable[[float], float]) -> float:

@@ -128,7 +128,7 @@ class Influence:
         return cls(n, h, E, True, _inverse(stiffness, 2.0 * compression / E), stiffness)
 
     @property
-    def yields(self) -> float:
+    def uniform_compliance(self) -> float:
         """Displacement caused by a uniform pressure of 1 on the period; 0 without a period."""
         return float(self._compliance[0]) if self.is_periodic else 0.0
 
@@ -491,7 +491,7 @@ class _Run:
         n, h = self.influence.n, self.influence.h
         self.iterations += 1
         mean = float(shape.mean())
-        level = mean + self.influence.yields * load / (n * h)
+        level = mean + self.influence.uniform_compliance * load / (n * h)
         p = load / (n * h) - FourierMultiplier(self.influence.table, self.influence.stiffness)(
             shape - mean
         )
@@ -611,7 +611,7 @@ class _Run:
             # All points in contact are at the cap. The compliance without the cap is a lower bound.
             mask = state.contact
         if state.full and mask.all():
-            return self.influence.yields / (self.influence.n * self.influence.h)
+            return self.influence.uniform_compliance / (self.influence.n * self.influence.h)
         _, _, level, _, _ = self.conjugate_gradient(
             1.0,
             mask,
@@ -635,7 +635,7 @@ class _Run:
             return GridState(np.zeros(inf.n), gap, level, 0.0, 0, True, self.f, inf)
         if (
             inf.is_periodic
-            and not inf.yields
+            and not inf.uniform_compliance
             and not np.isfinite(inf.cap)
             and np.all(self.allowed)
             and depth >= float(np.mean(self.shape))
