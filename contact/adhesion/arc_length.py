@@ -194,5 +194,5 @@ def _has_lost(before: CurvePoint, ahead: CurvePoint) -> bool:
     The width of a vanishing zone is proportional to the square root of the arc length that is left.
     So the curve bends sharply there.
     """
-    cosine = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
-    return cosine and len(ahead.at.contact) < len(before.at.contact)
+    no_turning_point = before.rises * ahead.rises > 0.0 and before.at.growth * ahead.at.growth > 0.0
+    return no_turning_point and len(ahead.at.contact) < len(before.at.contact)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from contact.adhesion import jkr_guide
-from contact.adhesion import pull_off as apart
+from contact.adhesion import pull_off as common_pull_off
 from contact.adhesion.cohesive_flow import (
     TOO_NARROW,
     guide_down,
@@ -37,14 +37,14 @@ def pull_off(curve: CohesiveCurve, here: State) -> State:
 
     def lead_to_load(under: Curve, at: State) -> State:
         assert isinstance(under, CohesiveCurve)
-        return apart.near_the_last(under, _near_pull_off(under, at), recede)
+        return common_pull_off.near_the_last(under, _near_pull_off(under, at), recede)
 
     try:
         if curve.control.load is not None:
             here = _near_pull_off(curve, here)
-        here = apart.lowered_by_load(curve, here, lead_to_load)
+        here = common_pull_off.lowered_by_load(curve, here, lead_to_load)
         here = curve.again(here, here.value)
-        return apart.pull_off(
+        return common_pull_off.pull_off(
             curve, here, recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0
         )
     except EndsCovered as covered:
@@ -104,7 +104,7 @@ def _near_pull_off(curve: CohesiveCurve, here: State) -> State:
         # The search on the grid fails if some zones advance. This may happen under a fixed
         # approach, where some zones advance while others recede.
         return here
-    for control in apart.controls_above(least, here.value):
+    for control in common_pull_off.controls_above(least, here.value):
         rest = receded(curve, here.table, control, guide)
         if rest is not None:
             return rest
@@ -171,7 +171,7 @@ def _cut_near_pull_off(curve: CohesiveCurve, zones: Array, value: float) -> Stat
     if guide is None:
         return None
     least = guide.least_value(None, value)
-    for control in apart.controls_above(least, value):
+    for control in common_pull_off.controls_above(least, value):
         try:
             start = guided(curve, guide, None, control, -1.0)
         except ContactLost:

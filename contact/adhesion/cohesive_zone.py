@@ -108,12 +108,12 @@ class CohesiveCurve(Curve):
         value: float,
         tolerance: float = ACCURACY.density,
         pinned: Mask | None = None,
-        same_rates: CohesiveState | None = None,
+        rates_from: CohesiveState | None = None,
     ) -> CohesiveState:
         """The state with tension on given intervals, which are cut at sharp corners.
 
         The zones start from those of the nearest known state. pinned: ends pinned at corners; None:
-        all ends at corners that are not driven inward. same_rates: a state whose rates may be
+        all ends at corners that are not driven inward. rates_from: a state whose rates may be
         reused.
         """
         table = self.within(table)
@@ -122,7 +122,7 @@ class CohesiveCurve(Curve):
             np.zeros((0, 2)) if known_state is None else self._followed(known_state, table, value)
         )
         try:
-            here = self.from_zones(table, value, zones, tolerance, same_rates)
+            here = self.from_zones(table, value, zones, tolerance, rates_from)
         except EndsCovered:
             # The first guess of the zones, taken from `known_state`, is so wide that zones cover
             # ends of intervals of tension. This happens if `known_state` has too few zones. So the
@@ -187,8 +187,8 @@ class CohesiveCurve(Curve):
             return float(np.abs(one.table - table).max()), abs(one.value - value)
 
         known = self.known
-        same_rates = [one for one in known if one.table.shape == table.shape]
-        return min(reversed(same_rates), key=away) if same_rates else known[-1]
+        same_shape = [one for one in known if one.table.shape == table.shape]
+        return min(reversed(same_shape), key=away) if same_shape else known[-1]
 
     def from_zones(
         self,
@@ -196,11 +196,11 @@ class CohesiveCurve(Curve):
         value: float,
         zones: Array,
         tolerance: float = ACCURACY.density,
-        same_rates: CohesiveState | None = None,
+        rates_from: CohesiveState | None = None,
     ) -> CohesiveState:
         """The state with tension on given intervals, found from a first guess of the zones.
 
-        same_rates: a close state; its rates are reused if both states have equally many zones.
+        rates_from: a close state; its rates are reused if both states have equally many zones.
         """
         table = self.within(table)
         for curve, last, tightly in self.recent:
@@ -222,7 +222,7 @@ class CohesiveCurve(Curve):
             point = self._without_contact(pulled, value)
         if point is None or (not self.formal and not self._is_apart(point)):
             try:
-                point = self._in_contact(pulled, value, zones, tolerance, same_rates)
+                point = self._in_contact(pulled, value, zones, tolerance, rates_from)
             except ContactLost:
                 if not self._may_be_loose:
                     raise
@@ -238,7 +238,7 @@ class CohesiveCurve(Curve):
         value: float,
         zones: Array,
         tolerance: float,
-        same_rates: CohesiveState | None,
+        rates_from: CohesiveState | None,
     ) -> CohesiveState:
         """The state with contact under the tension of `pulled`; see `from_zones` for the rest."""
         tolerances, of_rates = InnerTolerances.intermediate(tolerance), ACCURACY.coarse
@@ -259,8 +259,8 @@ class CohesiveCurve(Curve):
             raise EndsCovered(covered)
         is_open, residual = ~np.isin(at, zones), np.ones(len(at))
         residual[is_open] -= fields.formal_gap(at[is_open]) / self.reach
-        if same_rates is not None and len(zones) == len(same_rates.zones):
-            rates = same_rates.all_rates
+        if rates_from is not None and len(zones) == len(rates_from.zones):
+            rates = rates_from.all_rates
         else:
             equation = own.equation(self.inner_control(own, value))
             state = direct(fields.state.whole, equation, of_rates)
@@ -332,10 +332,10 @@ class CohesiveCurve(Curve):
         """
         pulled, none = self.everywhere, np.zeros((0, 2))
         pull = pulled.pulling.total
-        may_separate: CohesiveState | None = None
+        separated: CohesiveState | None = None
         if self._may_be_loose:
             level, x = -value - self.value_per_load * pull, sample_places(pulled, none)
-            may_separate = CohesiveState.under_all(
+            separated = CohesiveState.under_all(
                 value,
                 -pull,
                 level,
@@ -343,15 +343,15 @@ class CohesiveCurve(Curve):
                 None,
                 samples_with_extremes(lambda y: pulled.shape(y) + level, x),
             )
-            apart = self._is_apart(may_separate)
+            apart = self._is_apart(separated)
             if len(zones) == 0 and (self.formal or apart):
-                return may_separate
+                return separated
         try:
             fields, gap_samples = self.contact_under(pulled, value, zones)
         except ContactLost:
-            if may_separate is None:
+            if separated is None:
                 raise
-            return may_separate
+            return separated
         found = fields.density
         return CohesiveState.under_all(
             value, found.total - pull, float(fields.level), found.zones.table, fields, gap_samples
@@ -436,6 +436,6 @@ class CohesiveCurve(Curve):
             if size > ACCURACY.other_equilibrium or converged:
                 break
             before = size if tight else np.inf
-            same_rates = here if tight and size < ACCURACY.rough else None
-            here = self.at(here.moved(here.newton), here.value, same_rates=same_rates)
+            rates_from = here if tight and size < ACCURACY.rough else None
+            here = self.at(here.moved(here.newton), here.value, rates_from=rates_from)
         return self.at(here.table, here.value)

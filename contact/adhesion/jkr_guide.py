@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact.adhesion import gradient_flow
-from contact.adhesion import pull_off as apart
+from contact.adhesion import pull_off as common_pull_off
 from contact.adhesion.cohesive_state import CohesiveState
 from contact.adhesion.cohesive_zone import CohesiveCurve
 from contact.adhesion.curve import ACCURACY, Closed, Curve, NoState, State
@@ -137,8 +137,8 @@ def near_pull_off(
         if first is None:
             return None
         passed.append(first)
-        last = apart.near_the_last(short, first, recede_on)
-        for value in apart.controls_above(last.value, here.value):
+        last = common_pull_off.near_the_last(short, first, recede_on)
+        for value in common_pull_off.controls_above(last.value, here.value):
             # `above` is the state in `passed` with the least control that is not below `value`. The
             # zones of this state recede to an equilibrium at `value`.
             above = min((one for one in passed if one.value >= value), key=lambda one: one.value)

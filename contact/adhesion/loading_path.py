@@ -37,7 +37,7 @@ class LoadingPath:
     note: a function that is called with every equilibrium on the way.
     """
 
-    law: Events
+    events: Events
     note: Callable[[State], None] = field(default=lambda at: None)
 
     def to(self, here: PathState, value: float) -> Iterator[Jump | PathState]:
@@ -54,20 +54,22 @@ class LoadingPath:
     def _next(
         self, here: PathState, value: float, sense: float
     ) -> Generator[Jump | PathState, None, Jump | PathState]:
-        law = self.law
+        events = self.events
         if here.point is None:
             if here.closed:
-                jump = law.reopening(here, value) if sense < 0.0 else None
+                jump = events.reopening(here, value) if sense < 0.0 else None
             else:
-                jump = None if value < law.first or here.value > law.first else law.jump_in()
+                jump = (
+                    None if value < events.first or here.value > events.first else events.jump_in()
+                )
             return replace(here, value=value) if jump is None else jump
         if here.value == value:
             return PathState(value, here.point)
-        events = law.off_curve(here.point, value)
+        on_way = events.off_curve(here.point, value)
         return (
             yield from self._along(here.point, value, sense)
-            if events is None
-            else self._recorded(events)
+            if on_way is None
+            else self._recorded(on_way)
         )
 
     def _recorded(
@@ -89,20 +91,20 @@ class LoadingPath:
         self, here: State, value: float, sense: float
     ) -> Generator[Jump | PathState, None, Jump | PathState]:
         """Generate the events from the equilibrium `here` to the control's `value` or to a jump."""
-        law = self.law
+        events = self.events
         try:
-            for step in steps(law.curve, here, sense, False):
+            for step in steps(events.curve, here, sense, False):
                 length, last = step.length, step.end.at
                 if step.turns:
                     length = step.turning()
                     last = step.at(length)
                 if arrives := sense * (last.value - value) >= 0.0:
                     length, last = self._arriving(step, length, last, value)
-                if (jump := law.first_jump(step, length, last, sense)) is not None:
+                if (jump := events.first_jump(step, length, last, sense)) is not None:
                     assert jump.before.point is not None
-                    yield from law.smooth_changes(step, length, jump.before.point)
+                    yield from events.smooth_changes(step, length, jump.before.point)
                     return jump
-                yield from law.smooth_changes(step, length, last)
+                yield from events.smooth_changes(step, length, last)
                 if arrives:
                     return PathState(value, last)
                 if step.turns:
@@ -131,14 +133,14 @@ class LoadingPath:
                 ACCURACY.resting_step,
                 False,
             )
-            found = self.law.curve.settled(replace(step.at(length), value=value))
+            found = self.events.curve.settled(replace(step.at(length), value=value))
         else:
             length = step.start.length(found)
         return length, found
 
     def _ended(self, failure: NotConverged, here: State, value: float, sense: float) -> Jump:
         """The jump at the end of the curve, if it comes before `value`; else raises `failure`."""
-        end = self.law.vanishing(here, sense)
+        end = self.events.vanishing(here, sense)
         if end is None and isinstance(failure, SymmetryLost):
             failure = failure.located()
             end = self._aside(failure)
@@ -149,7 +151,7 @@ class LoadingPath:
     def _aside(self, lost: SymmetryLost) -> Jump:
         """The jump where mirror symmetry is lost, to one of two states that mirror each other."""
         try:
-            after = self.law.shrunk(pushed_off(lost.at), lost.at.value)
+            after = self.events.shrunk(pushed_off(lost.at), lost.at.value)
         except NotConverged:
             raise lost from None
         return self._jump(lost.at, float(lost.at.contact.mean()), after, False)
@@ -172,16 +174,16 @@ class LoadingPath:
         last = step.end.at
         assert step.after is not None
         return self._jump(
-            last, _place(last, step.after), self.law.shrunk(let_go(step), last.value), False
+            last, _place(last, step.after), self.events.shrunk(let_go(step), last.value), False
         )
 
     def _turn(self, last: State, sense: float) -> Jump:
         """The jump from an equilibrium at a turning point of the curve."""
-        law, rises = self.law, sense > 0.0
-        table = beyond(law.curve, last, sense)
+        events, rises = self.events, sense > 0.0
+        table = beyond(events.curve, last, sense)
         place = float(last.table.ravel()[int(np.argmax(np.abs(table - last.table)))])
         return self._jump(
-            last, place, (law.grown if rises else law.shrunk)(table, last.value), rises
+            last, place, (events.grown if rises else events.shrunk)(table, last.value), rises
         )
 
     def _jump(self, before: State, end: float, after: PathState, rises: bool) -> Jump:
@@ -191,7 +193,7 @@ class LoadingPath:
         several zones or gaps, the one nearest to `end` counts. Intervals of tension without contact
         count as zones. If zones only change their widths, the place of the jump is `end`.
         """
-        period = self.law.curve.problem.period
+        period = self.events.curve.problem.period
         zones = before.contact if len(before.contact) else before.table
         if after.point is None:
             gone = gaps_between(zones, period) if after.closed else zones
@@ -202,7 +204,7 @@ class LoadingPath:
             middles = gone.mean(axis=1)
             away = nearest_image(middles, end, period) - end
             end = float(middles[np.argmin(np.abs(away))])
-        return self.law.jump(before, end, after, rises)
+        return self.events.jump(before, end, after, rises)
 
 
 def _place(before: State, after: State) -> float:

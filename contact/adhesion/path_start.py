@@ -37,13 +37,13 @@ from sie import Array
 class PathRoute:
     """Those functions of a loading path that differ between the laws of adhesion.
 
-    law: the events of the path. started: returns the path state at a control value not below first
-    touch. fields: returns the fields of an equilibrium. outcome: returns the solution at a state of
-    the path. separation: returns the state at which contact under a fixed approach is lost, or None
-    if it is not found.
+    events: the events of the path. started: returns the path state at a control value not below
+    first touch. fields: returns the fields of an equilibrium. outcome: returns the solution at a
+    state of the path. separation: returns the state at which contact under a fixed approach is
+    lost, or None if it is not found.
     """
 
-    law: Events
+    events: Events
     started: Callable[[Scene, float], PathState]
     fields: Callable[[State], ZoneFields | SeparatedFields]
     outcome: Callable[[SolveContext, State], Outcome]

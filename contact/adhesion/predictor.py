@@ -86,10 +86,10 @@ class Predictor(Kept):
             farthest, _OPTIONS.places / (2 * _OPTIONS.places_per_feature) * curve.problem.detail
         )
         first = sign * here.residual
-        driven = sign * (1.0 - _intensity(fields, here, sign, farthest) / abs(wanted))
+        driven = sign * (1.0 - _minus_intensity(fields, here, sign, farthest) / abs(wanted))
         linear = first[:, None] + (np.diag(here.rates) * farthest)[:, None] * _parts()[1:]
-        off = driven[:, :1] - linear[:, :1]
-        driven = np.where(np.abs(off) < MOVES.small_drive, driven - off, linear)
+        deviation = driven[:, :1] - linear[:, :1]
+        driven = np.where(np.abs(deviation) < MOVES.small_drive, driven - deviation, linear)
         return cls(
             farthest,
             np.column_stack((first, driven)),
@@ -171,7 +171,7 @@ class Predictor(Kept):
         return np.asarray((gap < MOVES.max_move * adjacent) & known & right & np.roll(left, -1))
 
 
-def _intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:
+def _minus_intensity(fields: ZoneFields, here: State, sign: float, farthest: Array) -> Array:
     """Minus the edge intensity K (2n, points) that each end would have at points of its path.
 
     The path leads outward for `sign` > 0, else inward.

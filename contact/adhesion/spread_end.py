@@ -43,14 +43,14 @@ class SpreadEnd:
     def half(self) -> float:
         return 0.5 * (self.b - self.a)
 
-    def log(self, x: Array) -> Array:
+    def potential(self, x: Array) -> Array:
         """Potential at points x of a unit load with density 1 / (pi sqrt((xi - a) (b - xi))).
         It is the integral of ln|x - xi| times this density, for xi in the zone (a, b).
         """
         return np.asarray(np.log(0.5 * self.half) + np.arccosh(self._beyond(x)[1]))
 
     def primitive(self, x: Array) -> Array:
-        """Antiderivative of the potential `log`, odd about the middle of the zone."""
+        """Antiderivative of `potential`, odd about the middle of the zone."""
         z, size = self._beyond(x)
         outside = size * np.arccosh(size) - np.sqrt((size - 1) * (size + 1))
         return np.asarray(self.half * (z * np.log(0.5 * self.half) + np.sign(z) * outside))
@@ -65,8 +65,8 @@ class SpreadEnd:
         xi = self.middle + self.half * np.cos(angle)
         return np.asarray(function(x[:, None] - xi).mean(axis=1))
 
-    def periodic_log(self, x: Array, period: float) -> Array:
-        """The potential `log` with a period L, from the logarithm ln|2 sin(pi (x - xi)/L)|."""
+    def periodic_potential(self, x: Array, period: float) -> Array:
+        """The `potential` with a period L, from the logarithm ln|2 sin(pi (x - xi)/L)|."""
         x = nearest_image(x, self.middle, period)
 
         def remainder(lag: Array) -> Array:
@@ -77,16 +77,16 @@ class SpreadEnd:
             )
 
         return (
-            self.log(x)
-            + self.log(x - period)
-            + self.log(x + period)
+            self.potential(x)
+            + self.potential(x - period)
+            + self.potential(x + period)
             + np.log(2 * np.pi / period**3)
             + self.mean(remainder, x)
         )
 
     def in_plane(self, z: Complex, period: float | None) -> tuple[Complex, Complex]:
         """Complex potential of the spread end, and its derivative, at points z (n,), Im z >= 0.
-        On the real axis the real part of this potential is `log`, or `periodic_log` with a period.
+        On the real axis its real part is `potential`, or `periodic_potential` with a period.
 
         With a period, only the imaginary part of the potential changes if z moves by a period.
         """
@@ -123,7 +123,7 @@ class SpreadEnd:
     def periodic_primitive(
         self, x: Array, period: float, primitive: Callable[[Array], Array]
     ) -> Array:
-        """Antiderivative of `periodic_log` with respect to x.
+        """Antiderivative of `periodic_potential` with respect to x.
 
         primitive: an antiderivative of ln|2 sin(pi y/L)| as a function of y, with L = `period`.
         """

@@ -191,10 +191,13 @@ class UniformTension(sie.Kept):
 
     def _spread_log(self, x: Array, zone: SpreadEnd) -> Array:
         if self.period is not None:
-            out = zone.periodic_log(x, self.period)
+            out = zone.periodic_potential(x, self.period)
         else:
             out = sum(
-                (zone.log(x - pole) - np.log(self.kernel.datum) for pole in self.kernel.poles),
+                (
+                    zone.potential(x - pole) - np.log(self.kernel.datum)
+                    for pole in self.kernel.poles
+                ),
                 np.zeros(x.shape),
             )
         return (

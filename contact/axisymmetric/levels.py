@@ -25,8 +25,8 @@ from contact.axisymmetric.spot import (
     first_radius,
     one_control,
     refined,
+    refinements,
     ring_count,
-    settled,
     spot_of,
 )
 from contact.axisymmetric.system import Kind, closed_edge, room, total_load
@@ -216,7 +216,7 @@ def solve_levels(
     active = sorted(j for c in met for j in c.kinds)
     start = _start(kinds, active, value / E if name == "nominal_pressure" else None, value)
     found = refined(
-        settled(kinds, start, condition),
+        refinements(kinds, start, condition),
         lambda state: [spot_of(j, kinds, state, E, kept) for j in active],
         tol,
     )
@@ -323,7 +323,9 @@ def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -
     """
     last = inf
     try:
-        for state in settled(kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)):
+        for state in refinements(
+            kinds, _start(kinds, active, None, kinds[j].depth), closed_edge(j)
+        ):
             pressure = sum(
                 kind.density * float(force) for kind, force in zip(kinds, state.forces, strict=True)
             )

@@ -33,7 +33,7 @@ from contact.axisymmetric.system import (
     State,
     closed_edge,
     force,
-    refine_topology,
+    solve_radii,
     touching,
 )
 from contact.errors import NotConverged, OutOfRange, SceneError
@@ -119,7 +119,7 @@ def solve_spot(
         )
     else:
         start = first_radius(shape.load_integral, value / E, 1.0 if isinf(limit) else limit)
-        states = settled(kinds, np.array([min(start, 0.9 * limit)]), force(0, value / E))
+        states = refinements(kinds, np.array([min(start, 0.9 * limit)]), force(0, value / E))
     return refined(states, lambda state: [spot_of(0, kinds, state, E, kept)], tol)[0]
 
 
@@ -248,12 +248,12 @@ NODES = (16, 32, 64, 128, 256)
 _PROBES = np.array([0.1, 0.5, 0.9])
 
 
-def settled(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterator[State]:
+def refinements(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterator[State]:
     """Yield solutions for increasing numbers of Gauss nodes.
     Newton's method starts each solution from the radii of the previous one.
     """
     for n in NODES:
-        state = refine_topology(kinds, start, condition, n)
+        state = solve_radii(kinds, start, condition, n)
         start = state.radii
         yield state
 

@@ -305,7 +305,7 @@ def approach(delta: float) -> Condition:
     return lambda linear: (linear.row({linear.at_delta: 1.0}), delta)
 
 
-def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n: int) -> State:
+def solve_radii(kinds: Sequence[Kind], start: Array, condition: Condition, n: int) -> State:
     """Solution of the system, with the radii of the spots found by Newton's method.
     Spots whose initial radius is 0 stay out of contact.
     """

@@ -317,13 +317,13 @@ def adhesive_path(
             events: list[Event] = []
             if value / run.unit != before:
                 run.rises = float(value / run.unit > before)
-            for found in run.history.to(here, float(value) / run.unit):
+            for found in run.loading_path.to(here, float(value) / run.unit):
                 if isinstance(found, Jump):
-                    run.jumped(found)
+                    run.record_jump(found)
                     events.append(run.event(found))
                 else:
                     here = found
-            run.stood(here)
+            run.record(here)
             solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
     warn(curve_warnings(solutions), stacklevel=4)
@@ -377,10 +377,10 @@ class _PathRun:
     ) -> None:
         self.scene, self.control, self.tol = scene, control, tol
         self.context = replace(context_of(scene, tol), spring_compliance=spring_compliance)
-        self.by = route_of(self.context)
-        self.curve = self.by.law.curve
+        self.route = route_of(self.context)
+        self.curve = self.route.events.curve
         self.problem = self.curve.problem
-        self.history = LoadingPath(self.by.law, self.note)
+        self.loading_path = LoadingPath(self.route.events, self.note)
         self.followed: list[tuple[float, float, float, float]] = []
         self.rises = 1.0
 
@@ -398,12 +398,12 @@ class _PathRun:
         elif self.curve.control.compliance is not None:
             self.followed.append((0.0, value * units.height, 0.0, self.rises))
 
-    def jumped(self, jump: Jump) -> None:
-        self.stood(jump.before)
+    def record_jump(self, jump: Jump) -> None:
+        self.record(jump.before)
         self.followed.append((np.nan,) * 3 + (self.rises,))
-        self.stood(jump.after)
+        self.record(jump.after)
 
-    def stood(self, standing: PathState) -> None:
+    def record(self, standing: PathState) -> None:
         if not standing.closed:
             self.note(standing.point, standing.value)
 
@@ -437,19 +437,19 @@ class _PathRun:
     def first(self, value: float) -> PathState:
         """The state of the path at the first value of the control.
 
-        The surfaces touch first at the value `law.first` of the control; below it they are apart.
+        The surfaces touch first at the control value `events.first`; below it they are apart.
         """
-        scaled, first = value / self.unit, self.by.law.first
+        scaled, first = value / self.unit, self.route.events.first
         if scaled < min(first, 0.0) or value < 0.0 == first:
             return PathState(scaled)
         if self.context.spring_compliance is not None or value < 0.0:
             # At the same position of the spring's far end, the contact without adhesion may be
             # wider than the adhesive contact. So the path does not start from the contact without
             # adhesion, but from separate surfaces.
-            *_, found = self.history.to(PathState(min(-1.0, 2.0 * first)), scaled)
+            *_, found = self.loading_path.to(PathState(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, PathState)
             return found
-        return self.by.started(self.scene.under(self.control, value), scaled)
+        return self.route.started(self.scene.under(self.control, value), scaled)
 
     def solved(self, here: PathState, value: float, before: float) -> Solution:
         """The solution for the state `here` of the path, at a value of the control.
@@ -465,11 +465,11 @@ class _PathRun:
         context = replace(self.context, scene=scene, plan=plan(scene), branch=way)
         if here.point is None:
             return self._without_zones(context, here)
-        fields = self.by.fields(here.point)
+        fields = self.route.fields(here.point)
         if isinstance(fields, SeparatedFields):
             assert isinstance(here.point, CohesiveState)
             return separated_solution(context.scene, fields, here.point, context.plan, way)
-        solution = solved_at(context, self.by.outcome(context, here.point), described)
+        solution = solved_at(context, self.route.outcome(context, here.point), described)
         return (
             solution
             if context.spring_compliance is None
@@ -511,8 +511,8 @@ class _PathRun:
             # `approach_after` is then the approach at which the same surfaces would separate if the
             # approach were prescribed.
             assert jump.before.point is not None
-            apart = self.by.separation(jump.before.point)
-            approach_after = None if apart is None else float(-apart.level * units.height)
+            last = self.route.separation(jump.before.point)
+            approach_after = None if last is None else float(-last.level * units.height)
         lost = None
         if (
             energy is not None
@@ -524,7 +524,7 @@ class _PathRun:
             lost = 0.0 if jump.smooth else float(energy - energy_after + done)
         drawn = None
         if jump.kind == "pull-off" and jump.before.point is not None:
-            fields = self.by.fields(jump.before.point)
+            fields = self.route.fields(jump.before.point)
             # Contact may end in points. The picture then shows the intervals of tension.
             x = _places(self.scene, zones if _width(zones) > 0.0 else fields.cohesive)
             surface = self.scene.profile.counter_height(x) - fields.displacement(x)
@@ -549,7 +549,7 @@ class _PathRun:
         """Load [N/m], approach [m], energy [J/m] and zones [m] of a state of the path."""
         units, none = self.problem.units, np.zeros((0, 2))
         if (point := standing.point) is not None:
-            fields = self.by.fields(point)
+            fields = self.route.fields(point)
             energy = self._energy(fields, float(np.diff(point.contact).sum()) * units.length)
             return (
                 point.load * units.load,

@@ -255,11 +255,11 @@ def test_an_end_spread_over_a_zone_has_the_means_of_potentials():
 
     for x in np.array([[-0.5], [0.05], [0.9], [1.2]]):
         lag = x - xi
-        assert zone.log(x) == pytest.approx(np.log(np.abs(lag)).mean(), abs=1e-13)
+        assert zone.potential(x) == pytest.approx(np.log(np.abs(lag)).mean(), abs=1e-13)
         assert zone.primitive(x) == pytest.approx(
             (lag * (np.log(np.abs(lag)) - 1)).mean(), abs=1e-13
         )
-        assert zone.periodic_log(x, period) == pytest.approx(
+        assert zone.periodic_potential(x, period) == pytest.approx(
             np.log(np.abs(2 * np.sin(pi * lag / period))).mean(), abs=1e-13
         )
         assert zone.periodic_primitive(x, period, whole) == pytest.approx(

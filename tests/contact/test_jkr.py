@@ -14,7 +14,7 @@ from hypothesis import assume, example, given
 import contact
 from contact import exact, inverse
 from contact.adhesion import arc_length, gradient_flow, pull_off_of_solution
-from contact.adhesion import pull_off as apart
+from contact.adhesion import pull_off as common_pull_off
 from contact.adhesion.curve import Curve, State
 from contact.reference.inverse.adhesive import second_variation
 from tests.contact.strategies import adhesive_designs
@@ -427,8 +427,8 @@ def test_pull_off_under_a_fixed_approach_is_where_the_path_ends(monkeypatch, law
     solution = contact.solve(scene)
     # Although the approach is the control, the search for pull-off first lowers the load.
     lowered = []
-    real = apart.lowered_by_load
-    for room in (apart, pull_off_of_solution):
+    real = common_pull_off.lowered_by_load
+    for room in (common_pull_off, pull_off_of_solution):
         monkeypatch.setattr(
             room, "lowered_by_load", lambda *given: lowered.append(real(*given)) or lowered[-1]
         )
