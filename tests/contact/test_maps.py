@@ -70,15 +70,15 @@ def moved(row, by):
 @pytest.mark.parametrize(
     ("rows", "keys", "said"),
     [
-        (ROWS, {}, r"x, y and z of a map, write line"),
+        (ROWS, {}, r"x, y and z of a map, set line"),
         (ROWS, {"along": "y"}, r"line = None"),
         (ROWS, {"line": NY}, rf"0 to {NY - 1}"),
         (ROWS, {"line": 0, "pitch": 1e-6}, r"pitch"),
         (ROWS, {"line": 0, "channel": 0}, r"channel"),
         (ROWS, {"line": 0, "columns": [0, 1]}, r"three columns"),
         (ROWS, {"line": 0, "columns": [0, 1, 1]}, r"three columns"),
-        (moved(40, 0.2), {"line": 0}, r"line 42: the values of x have no even distances"),
-        (np.vstack([ROWS, ROWS[5]]), {"line": 0}, rf"line {len(ROWS) + 2}: the place"),
+        (moved(40, 0.2), {"line": 0}, r"line 42: the values of x are not evenly spaced"),
+        (np.vstack([ROWS, ROWS[5]]), {"line": 0}, rf"line {len(ROWS) + 2}: this line repeats"),
         (ROWS[:NY], {"line": 0}, r"two values of x"),
         (np.column_stack([ROWS, ROWS[:, 2]]), {"line": 0}, r"x, y and the heights"),
     ],

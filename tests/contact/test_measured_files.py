@@ -166,7 +166,14 @@ def test_more_columns_than_two_are_refused_with_the_readings_unless_chosen(tmp_p
 @pytest.mark.parametrize("name", ["index", "No.", "#", "", "Point"])
 def test_a_column_that_counts_the_points_holds_no_positions(tmp_path: Path, name: str) -> None:
     rows = f"{name},height [um]\n" + "".join(f"{i},{z}\n" for i, z in enumerate(Z))
-    refused(tmp_path, rows, "a count", "columns = [1] and pitch", "columns = [0, 1]", units="um")
+    refused(
+        tmp_path,
+        rows,
+        "count the points",
+        "columns = [1] and pitch",
+        "columns = [0, 1]",
+        units="um",
+    )
     assert Sampled.from_file(write(tmp_path, rows), columns=[1], pitch=5e-7).x[1] == pytest.approx(
         5e-7
     )

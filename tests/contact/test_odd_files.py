@@ -191,7 +191,7 @@ def test_a_remark_does_not_give_the_unit_of_a_column_of_heights(tmp_path: Path) 
 def test_without_units_metres_are_assumed_with_a_warning_if_they_are_implausible(
     tmp_path: Path, scale: float
 ) -> None:
-    warned(tmp_path, table(scale * X, 1e-3 * Z), "no units being given", "units says")
+    warned(tmp_path, table(scale * X, 1e-3 * Z), "no units being given", "set units")
     half = 1e-3 * np.arange(501)
     warned(tmp_path, table(half, 1e-4 * np.sin(300 * half)), "500 mm long", "pitch of 1 mm")
 
@@ -235,9 +235,9 @@ def test_a_table_on_its_side_is_refused_with_this_reason(tmp_path: Path) -> None
         plain = "".join(between.join(row) + "\n" for row in rows)
         named = "".join(between.join(r) + "\n" for r in (["x", *rows[0]], ["z", *rows[1]]))
         for content in (plain, named):
-            refused(tmp_path, content, "2 rows of 40 numbers", "on its side", units="um")
+            refused(tmp_path, content, "2 rows of 40 numbers", "transposed", units="um")
     refused(
-        tmp_path, ";".join(rows[1]), "a row of 40 numbers", "on its side", units="um", pitch=1e-6
+        tmp_path, ";".join(rows[1]), "a row of 40 numbers", "transposed", units="um", pitch=1e-6
     )
 
 
@@ -257,7 +257,7 @@ def test_positions_that_may_count_the_points_cause_a_warning(tmp_path: Path) -> 
     rows = "".join(f"{i + 1};{z}\n" for i, z in enumerate(Z))
     warned(tmp_path, rows, "may count the points", "columns = [1] and pitch", units="um")
     assert read(tmp_path, rows, units="um", columns=[0, 1]).x.size == N
-    refused(tmp_path, f"No.;z\nremark\n{rows}", "'No.'", "a count", units="um")
+    refused(tmp_path, f"No.;z\nremark\n{rows}", "'No.'", "count the points", units="um")
 
 
 # Heights that are missing
@@ -318,7 +318,7 @@ def test_heights_before_a_missing_one_are_no_header(tmp_path: Path) -> None:
     keys = {"pitch": 2.5e-7, "fill": "drop"}
     assert read(tmp_path, content, **keys).heights == pytest.approx(1e-6 * np.delete(Z, 1))
     other = "z [um]\n" + column([0.1, "OVR", *Z[2:]])
-    warned(tmp_path, other, "line 2", "missing says so", pitch=2.5e-7)
+    warned(tmp_path, other, "line 2", "set missing", pitch=2.5e-7)
     assert read(tmp_path, other, missing="OVR", **keys).x.size == N - 1
 
 

@@ -485,7 +485,7 @@ def test_for_repeated_positions_regrid_is_proposed_only_if_they_are_rounded_even
         tmp_path, [f"{x!r};{z!r}" for x, z in zip(doubled.tolist(), Z.tolist(), strict=True)]
     )
     for keys in ({}, {"regrid": True}):
-        refused(path, "line 32", "1.45e-05 m is repeated", "all but one have to go", **keys)
+        refused(path, "line 32", "1.45e-05 m is repeated", "keep only one point", **keys)
     coarse = write(tmp_path, [f"{round(0.7 * k)}e-6;{z!r}" for k, z in enumerate(Z[:36].tolist())])
     refused(coarse, "line 4", "regrid = true")
     assert contact.read_trace(coarse, regrid=True).x.size == 36

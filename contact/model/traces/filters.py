@@ -42,14 +42,16 @@ def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:
     uneven = float(np.max(np.abs(x - np.linspace(x[0], x[-1], x.size))))
     if uneven > MAX_UNEVENNESS * pitch:
         raise SceneError.of(
-            name, cut_off, "left out where positions are not even: regrid = true makes them so"
+            name,
+            cut_off,
+            "left out if the positions are not evenly spaced; regrid = true makes them so",
         )
     # Points at a constant distance (the pitch) represent no wavelengths shorter than two pitches.
     shortest = 2 * pitch
     if not shortest <= cut_off <= length:
-        allowed = "two pitches at least and the length of the trace at most"
+        allowed = "in metres, from two pitches to the length of the trace"
         limits = f"{quantity(shortest, 'm')} to {quantity(length, 'm')}"
-        raise SceneError.of(name, cut_off, f"{allowed}, {limits} (it is in metres)")
+        raise SceneError.of(name, cut_off, f"{allowed} ({limits})")
     reach = min(x.size - 1, ceil(_REACH * cut_off / pitch))
     t = np.arange(-reach, reach + 1) * pitch / cut_off
     weight = np.exp(-pi * (t / ALPHA) ** 2)

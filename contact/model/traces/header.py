@@ -87,7 +87,9 @@ def scales(units: Any) -> tuple[float, float]:
     """The lengths [m] of the units of positions and heights. One given unit counts for both."""
     both = (units, units) if isinstance(units, str) else units
     if not isinstance(both, Sequence) or len(both) != 2:
-        raise SceneError.of("units", units, "one unit or two, for positions and heights")
+        raise SceneError.of(
+            "units", units, "one unit, or a list of two: of the positions and of the heights"
+        )
     return length_of(both[0]), length_of(both[1])
 
 
@@ -109,8 +111,10 @@ class Unit:
     def why_not(self) -> str:
         """Reason why the word is not a unit of length; empty if it is one."""
         if self.scale is None:
-            return f"{shown(self.word)}, which is no unit that is known ({', '.join(_LENGTHS)} are)"
-        return f"{shown(self.word)}, which is no unit of lengths" if isnan(self.scale) else ""
+            return (
+                f"{shown(self.word)}, which is not one of the known units ({', '.join(_LENGTHS)})"
+            )
+        return f"{shown(self.word)}, which is not a unit of length" if isnan(self.scale) else ""
 
 
 _WIDE = str.maketrans("（）［］｛｝〔〕【】／：，", "()[]{}()[]/:,")

@@ -80,18 +80,20 @@ def read_instrument(
         names = [found.name for found in channels]
     except Exception as error:  # the readers raise many kinds of errors
         raise at(
-            path, 0, f"no reader of an instrument's format takes it: {_advice(error)}"
+            path, 0, f"no reader of instrument formats can read it: {_advice(error)}"
         ) from error
     chosen = channels[_place(path, names, channel)]
     try:
         surface = chosen.topography()
     except Exception as error:
-        raise at(path, 0, f"its channel {chosen.name!r} cannot be read ({error})") from error
+        raise at(path, 0, f"the channel {chosen.name!r} cannot be read ({error})") from error
     # The lengths of a map or scan are unknown if the file gives no unit.
     if surface.unit is None:
-        raise at(path, 0, "the file says no unit of its lengths: export it as text")
+        raise at(
+            path, 0, "the file states no unit of length; export the heights as text and set units"
+        )
     x, height, where = points_of(path, surface, line, along)
-    return x, height, f"channel {chosen.name!r}, lengths in the file's units{where}"
+    return x, height, f"the file's units, channel {chosen.name!r}{where}"
 
 
 def _advice(error: Exception) -> str:
@@ -100,8 +102,9 @@ def _advice(error: Exception) -> str:
     if said and "\n" not in said.strip():
         return said
     return (
-        f"read are files of {', '.join(FORMATS)} (of nc those that SurfaceTopography writes, of "
-        "xlsx those of Mitutoyo SurfTest), and text of two columns or of x, y and z"
+        f"the known formats are {', '.join(FORMATS)} (nc only if written by SurfaceTopography, "
+        "xlsx only if written by Mitutoyo SurfTest), and text with the columns x and z, or x, y "
+        "and z"
     )
 
 
@@ -117,10 +120,12 @@ def points_of(path: Source, surface: Any, line: Any, along: Any) -> tuple[Array,
         )
         heights: Array = np.ma.filled(np.ma.asarray(surface.heights(), dtype=float), np.nan)
     except Exception as error:
-        raise at(path, 0, f"its heights cannot be read ({error})") from error
+        raise at(path, 0, f"the heights cannot be read ({error})") from error
     if heights.ndim == 1:
         if line is not None or along is not None:
-            raise SceneError.of("line", line, "left out, with along: this is one line scan, no map")
+            raise SceneError.of(
+                "line", line, "left out, like along, because the data are one line scan, not a map"
+            )
         return positions, heights, ""
     x, height, where = of_map(heights, surface.physical_sizes, line, along)
     return x, height, f", {where}"
@@ -135,15 +140,15 @@ def _place(path: Source, names: list[str], channel: Any) -> int:
     if channel is None and len(names) == 1:
         return 0
     if channel is None:
-        what = f"its channels of heights are {listed}: channel says which is meant"
+        what = f"channel must be the number or name of one of its channels of heights: {listed}"
         raise SceneError(f"file {str(path)!r}: {what}", "channel")
     if not isinstance(channel, str):
         if integer("channel", channel) >= len(names):
-            allowed = f"the number or name of one of heights: {listed}"
+            allowed = f"the number or name of a channel of heights: {listed}"
             raise SceneError.of("channel", channel, allowed)
         return int(channel)
     if (same := names.count(one_of("channel", channel, names))) > 1:
-        allowed = f"a number, as {same} channels are called that: {listed}"
+        allowed = f"a number, because {same} channels have this name: {listed}"
         raise SceneError.of("channel", channel, allowed)
     return names.index(channel)
 
@@ -160,13 +165,13 @@ def of_map(
     dx, dy = sizes[0] / nx, sizes[1] / ny
     if isinstance(line, (list, tuple, np.ndarray)):
         if along is not None:
-            raise SceneError.of("along", along, "left out with a line between two points")
+            raise SceneError.of("along", along, "left out if line is a pair of points")
         return _between(heights, dx, dy, line)
     direction = one_of("along", "x" if along is None else along, ALONG)
     count, most, step = (nx, ny, dx) if direction == "x" else (ny, nx, dy)
     allowed = (
-        f"the number of a line along {direction}, 0 to {most - 1}, "
-        f"or two points [[x, y], [x, y]] [m]; the map is {nx} x {ny}"
+        f"the number of a line along {direction}, from 0 to {most - 1}, "
+        f"or two points [[x, y], [x, y]] [m]; the map has {nx} x {ny} points"
     )
     if line is None or isinstance(line, (str, bool, float)) or integer("line", line) >= most:
         raise SceneError.of("line", line, allowed)
@@ -174,7 +179,7 @@ def of_map(
     return (
         np.arange(count) * step,
         height,
-        f"line {line} (of 0 to {most - 1}) along {direction} of a map of {nx} x {ny}",
+        f"line {line} (of 0 to {most - 1}) along {direction} of a map of {nx} x {ny} points",
     )
 
 
@@ -189,7 +194,7 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
         or np.any(ends > far * (1 + 1e-12))
         or np.array_equal(*ends)
     ):
-        within = f"within 0 to {far[0]:.6g} and 0 to {far[1]:.6g} m"
+        within = f"with x from 0 to {far[0]:.6g} m and y from 0 to {far[1]:.6g} m"
         raise SceneError.of("line", line, f"two different points [[x, y], [x, y]] {within}")
     length = float(np.hypot(*(ends[1] - ends[0])))
     count = max(4, int(round(length / min(dx, dy))) + 1)
@@ -203,9 +208,9 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
     height = sum(
         np.where(weight > 0, weight * heights[i + a, j + b], 0.0) for a, b, weight in corners
     )
-    where = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in ends)
+    where = " to ".join(f"({x:.6g}, {y:.6g})" for x, y in ends)
     return (
         np.linspace(0, length, count),
         np.asarray(height),
-        f"from {where} m of a map of {nx} x {ny}, interpolated bilinearly",
+        f"from {where} m, interpolated bilinearly in a map of {nx} x {ny} points",
     )

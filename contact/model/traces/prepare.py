@@ -122,7 +122,7 @@ class Preparation:
             checked_number(
                 "taper",
                 self.taper,
-                "a fraction of the length > 0 and <= 0.5",
+                "a fraction of the length, above 0 and at most 0.5",
                 lambda fraction: 0 < fraction <= 0.5,
             )
         refuse_cut_offs(self.lambda_s, self.lambda_c)
@@ -152,7 +152,7 @@ _LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimit
 # Arguments that are lengths [m], and may be quantities with units.
 _LENGTHS = ("pitch", "lambda_s", "lambda_c", "period")
 _PLACE = dict.fromkeys(("channel", "line", "along"))
-_OF_INSTRUMENTS = "a table of text has columns; channels are an instrument file's"
+_OF_INSTRUMENTS = "only files of instruments have channels; for a text table, use columns"
 
 
 def load_trace(path: Any, **keys: Any) -> Trace:
@@ -166,11 +166,11 @@ def load_trace(path: Any, **keys: Any) -> Trace:
     )
     preparation = Preparation(**keys)
     if is_surface(path):
-        _left_out(layout, "a line scan has positions and a unit of its own")
+        _left_out(layout, "an object of SurfaceTopography has its own positions and unit")
         return prepared(_surface(path, **place), preparation)
     if is_arrays(path):
         units, pitch = layout.pop("units"), layout.pop("pitch")
-        _left_out({**layout, **place}, "arrays have no columns, words or lines")
+        _left_out({**layout, **place}, "it does not apply to arrays")
         x, height, said, sure = positions_and_heights(path, units, pitch)
         lines = np.arange(1, x.size + 1)
         return prepared(Reading(ARRAYS, x, height, lines, said, sure=sure), preparation)
@@ -180,7 +180,7 @@ def load_trace(path: Any, **keys: Any) -> Trace:
         is_map = any(value is not None for value in place.values())
         table = _map(path, **place, **layout) if is_map else _table(path, **layout)
         return prepared(table, preparation)
-    _left_out(layout, "an instrument's own format says it")
+    _left_out(layout, "the format of an instrument's file already defines it")
     x, height, said = read_instrument(path, **place)
     return prepared(Reading(path, x, height, np.zeros(x.size, dtype=np.int64), said), preparation)
 
@@ -198,9 +198,12 @@ def _surface(surface: Any, channel: Any, line: Any, along: Any) -> Reading:
     """
     given = Given(f"the {type(surface).__name__}", type(surface).__name__)
     if channel is not None:
-        raise SceneError.of("channel", channel, "left out: this is one channel already")
+        raise SceneError.of("channel", channel, "left out: the given object is a single channel")
     if surface.unit is None:
-        what = "it has no unit: set one, or give its arrays, (scan.positions(), scan.heights())"
+        what = (
+            "it has no unit; set its unit, or give units and the arrays "
+            "(scan.positions(), scan.heights())"
+        )
         raise at(given, 0, what)
     x, height, where = points_of(given, surface, line, along)
     return Reading(given, x, height, np.arange(1, x.size + 1), f"its unit {surface.unit}{where}")
@@ -246,7 +249,11 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
         form = by.detrend if is_name else f"polynomial of degree {by.detrend}"
         done(f"least-squares {form} subtracted")
     if float(np.ptp(height)) <= ROUND_OFF * size:
-        after = "" if by.detrend == "none" else f", once its {by.detrend} is subtracted"
+        after = (
+            ""
+            if by.detrend == "none"
+            else f" after the trend (detrend = {by.detrend}) is subtracted"
+        )
         raise at(path, 0, f"the heights are the same everywhere{after}")
     if by.lambda_c is not None:
         height = height - low_pass(x, height, by.lambda_c, "lambda_c")
@@ -267,8 +274,8 @@ def _upside_down(reading: Reading, by: Preparation) -> bool:
     Raises SceneError if the file calls them depths and `invert` is not given.
     """
     if reading.depth and by.invert is None:
-        what = f"the heights are called {shown(reading.depth)}"
-        choices = "invert = true if they grow into the body, invert = false if they grow out of it"
+        what = f"the column of heights is called {shown(reading.depth)}"
+        choices = "set invert = true if its values increase into the body, invert = false otherwise"
         raise at(reading.path, 0, f"{what}: {choices}")
     return bool(by.invert)
 
@@ -287,8 +294,10 @@ def _at_places(
         return x, height, ""
     count, most = x.size if count is True else count, max(_LIMITS.max_regrid, x.size)
     if count > most:
-        between = f"between the {x.size} measured points only straight lines would be added"
-        allowed = f"at most {most}: {between}"
+        between = (
+            f"further points would only lie on straight lines between the {x.size} measured ones"
+        )
+        allowed = f"at most {most}; {between}"
         raise SceneError.of("regrid", count, allowed)
     return to_uniform(x, height, count)
 
@@ -305,14 +314,14 @@ def _table(
     x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
     doubts: tuple[str, ...] = ()
     if table.counts:
-        what = "the positions are whole numbers, one after another, and may count the points"
-        choice = "of heights alone write columns = [1] and pitch, their distance [m]"
-        doubts = (f"{short_name(path)}: {what}: {choice}",)
+        what = "the positions are consecutive whole numbers and may count the points"
+        choice = "if they do, set columns = [1] and pitch, the distance of the points [m]"
+        doubts = (f"{short_name(path)}: {what}; {choice}",)
     if table.number_above:
-        what = (
-            f"the number in line {table.number_above} is taken for a remark, as a word follows it"
+        what = f"the number in line {table.number_above} is not read, because a word follows it"
+        doubts = (
+            f"{short_name(path)}: {what}; if the word marks a missing height, set missing to it",
         )
-        doubts = (f"{short_name(path)}: {what}; if that stands for no height, missing says so",)
     sure = units is not None or table.header.line > 0
     return Reading(path, x, height, table.lines, said, table.header.depth, sure, doubts)
 
@@ -320,7 +329,9 @@ def _table(
 def _map(path: Source, line: Any, along: Any, pitch: Any, units: Any, **layout: Any) -> Reading:
     """Read one line of a map from a text file with the columns x, y and z."""
     if pitch is not None:
-        raise SceneError.of("pitch", pitch, "left out with line: a map of text has x, y and z")
+        raise SceneError.of(
+            "pitch", pitch, "left out if line or along is given: a text map has x, y and z"
+        )
     layout["missing"] = _missing(layout["missing"])
     x, height, said, table = read_map(path, line, along, units, **layout)
     sure = units is not None or table.header.line > 0
@@ -332,36 +343,36 @@ def _missing(mark: Any) -> Any:
     """The user's mark of missing heights, after a check: a word or a number; None if not given."""
     if mark is None or (isinstance(mark, str) and mark.strip()):
         return mark
-    return finite("missing", mark, "a word or a number of the file")
+    return finite("missing", mark, "the word or number that marks missing heights in the file")
 
 
 def _refuse_repeated(path: Source, x: Array, lines: NDArray[np.int64]) -> None:
     again = np.flatnonzero(np.diff(x) <= 0)
     if not again.size:
         return
-    what = "a position is repeated, as positions are rounded: regrid = true takes them as even"
+    what = "a position is repeated because of rounding; set regrid = true to make positions even"
     if _pitch_behind_rounding(x) is None:
-        more = f", as {again.size - 1} more are" if again.size > 1 else ""
+        more = f" (further repetitions: {again.size - 1})" if again.size > 1 else ""
         what = f"the position {x[again[0]]:.9g} m is repeated{more}, and "
-        what += "rounding does not explain it: of such lines all but one have to go"
+        what += "rounding does not explain it; keep only one point at each position"
     if again.size > 1:
         pitch = float(x[-1] - x[0]) / (x.size - 1)
-        what += f"; or the heights alone are read, by their column and pitch = {pitch:.6g}"
+        what += f"; or give the heights alone (for a file, set columns) with pitch = {pitch:.6g}"
     raise at(path, lines[again[0] + 1], what)
 
 
 def _measured_length(x: Array, height: Array) -> float:
     difference = float(height[-1] - height[0])
     if abs(difference) > SAMPLED.same * float(np.ptp(height)):
-        apart = f"they differ by {quantity(difference, 'm', 3)}: give taper"
-        allowed = f"a number, or true with end heights that agree ({apart})"
+        apart = f"they differ by {quantity(difference, 'm', 3)}; set taper to make them agree"
+        allowed = f"a length [m], or true if the heights at both ends agree ({apart})"
         raise SceneError.of("period", True, allowed)
     return float(x[-1] - x[0])
 
 
 def _doubtful_heights(name: str, x: Array, height: Array, many: str) -> tuple[str, ...]:
     """Warnings about doubtful heights. `many`: note on missing heights, "" if few are missing."""
-    missing = [f"{many}, more than a tenth of them"] if many else []
+    missing = [f"more than a tenth of the heights are missing ({many})"] if many else []
     far = marks(height) or spikes(x, height)
     return tuple(f"{name}: {what}" for what in (*missing, far) if what)
 
@@ -373,20 +384,26 @@ def _doubts(reading: Reading, x: Array, height: Array, period: float | None) -> 
     part = 1.0 if reading.sure else _LIMITS.guessed
     size = f"{quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
     trace = f"{short_name(reading.path)}, read in {reading.said}, is a trace {size}"
-    within = f"heights within {quantity(depth, 'm')}"
+    within = f"heights in a range of {quantity(depth, 'm')}"
     is_long = length > part * _LIMITS.max_length or pitch > part * _LIMITS.max_pitch
     if is_long or pitch < _LIMITS.atom:
-        rare = "which is not that of a surface" if reading.sure else "which is rare"
-        return (f"{trace}, {rare}: units says what the numbers are in",)
+        rare = (
+            "which is implausible for a surface"
+            if reading.sure
+            else "which is unusual for a surface"
+        )
+        return (f"{trace}, {rare}; if the units are wrong, set units",)
     if depth > length:
-        swap = "columns may be the other way round, or units two, of positions and of heights"
-        return (f"{trace} and {within}, more than it is long: {swap}",)
+        swap = (
+            "columns may be the other way round, or positions and heights may have different units"
+        )
+        return (f"{trace} and {within}, more than its length; {swap}",)
     if depth < _LIMITS.atom:
-        two = "units may be two, of positions and of heights"
-        return (f"{trace} and {within}, less than an atom: {two}",)
+        two = "positions and heights may have different units; then set units to a list of two"
+        return (f"{trace} and {within}, less than an atom; {two}",)
     if period is not None and period > 2 * length:
         share = f"less than half of the period of {quantity(period, 'm')}"
-        return (f"{trace}, {share}: period is in metres, whatever units says",)
+        return (f"{trace}, {share}; give period in metres, whatever the units of the file are",)
     return ()
 
 
@@ -402,8 +419,8 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
     if pitch is not None:
         moved = x[0] + pitch * np.arange(x.size)
         far = float(np.max(np.abs(moved - x)))
-        note = f"positions taken as even, pitch {quantity(pitch, 'm', 9)}: "
-        note += f"rounding explains their shifts (<= {quantity(far, 'm', 2)})"
+        note = f"positions replaced by even ones with pitch {quantity(pitch, 'm', 9)}: "
+        note += f"rounding explains the differences (<= {quantity(far, 'm', 2)})"
         x = moved
     even = np.linspace(x[0], x[-1], count)
     off = float(np.max(np.abs(even - x))) if count == x.size else np.inf
@@ -457,7 +474,7 @@ def _degree(detrend: Any) -> int:
     if isinstance(detrend, str):
         return _TRENDS.index(one_of("detrend", detrend, _TRENDS))
     highest = _LIMITS.max_trend
-    allowed = f"none, line, quadratic, or the degree of a polynomial, 0 to {highest}"
+    allowed = f"none, line, quadratic, or the degree of a polynomial, from 0 to {highest}"
     if (
         isinstance(detrend, bool)
         or not isinstance(detrend, Integral)

@@ -114,9 +114,9 @@ def refuse_unclear_commas(data: Data) -> None:
             and (data.width <= wanted or not _are_columns(cells))
         ):
             readings = f"{part!r} in {text.strip()!r} can be read as a column, or as the end of "
-            readings += "a number with a comma in it"
-            cure = 'decimal = "." for the first, take the commas out of numbers for the second'
-            raise at(data.path, line, f"{readings}: write {cure}")
+            readings += "a number that contains a comma"
+            cure = 'decimal = "." for the first reading, or remove the commas from the numbers'
+            raise at(data.path, line, f"{readings}; set {cure}")
     if data.width <= wanted:
         return
     for (_, text), cells in zip(data.rows, data.cells, strict=True):
@@ -145,13 +145,13 @@ def _refuse_commas(data: Data, cells: list[list[str]]) -> None:
     as_decimals = (
         f"as {pairs}, with decimal commas"
         if most % 2 == 0
-        else "with decimal commas in some of them"
+        else "as fewer columns, some with decimal commas"
     )
     line, text = data.rows[i]
     columns = f"{most} columns, {' | '.join(cells[i])}"
     readings = f"{text.strip()!r} can be read as {columns}, or {as_decimals}"
-    cure = 'write decimal = "." for the first, decimal = "," for the second'
-    raise at(data.path, line, f"{readings}: {cure}")
+    cure = 'set decimal = "." for the first reading, decimal = "," for the second'
+    raise at(data.path, line, f"{readings}; {cure}")
 
 
 def _refuse_unclear_thousands(data: Data) -> None:
@@ -165,8 +165,8 @@ def _refuse_unclear_thousands(data: Data) -> None:
     if marked and all(_THOUSANDS.fullmatch(cell) for _, cell in marked):
         line, cell = marked[0]
         readings = f"{cell!r} can be read as {cell.replace(',', '.')} or as {cell.replace(',', '')}"
-        cure = 'write decimal = "," for the first, take the commas out for the second'
-        raise at(data.path, line, f"{readings}: {cure}")
+        cure = 'set decimal = "," for the first reading, or remove the commas for the second'
+        raise at(data.path, line, f"{readings}; {cure}")
 
 
 def refuse_unclear_columns(data: Data) -> None:
@@ -183,11 +183,12 @@ def refuse_unclear_columns(data: Data) -> None:
     if len(numeric) <= wanted:
         first = names[data.places[0]]
         if wanted == 2 and is_count(first):
-            what = f"the first column is called {first!r}, a count, and no positions"
+            what = f"the first column, {first!r}, seems to count the points"
             choice = (
-                "columns = [1] and pitch, their distance [m]; if it is positions, columns = [0, 1]"
+                "columns = [1] and pitch, the distance of the points [m]; if the first column has "
+                "positions, set columns = [0, 1]"
             )
-            raise at(data.path, line, f"{what}; of heights alone write {choice}")
+            raise at(data.path, line, f"{what}; to read the heights alone, set {choice}")
         return
     i = next(i for i, row in enumerate(data.cells) if len(row) > numeric[-1])
     choices = [numeric[:wanted], numeric[1 : 1 + wanted]]
@@ -200,10 +201,10 @@ def refuse_unclear_columns(data: Data) -> None:
     )
     what = ("the heights", "positions and heights", "x, y and the heights")[wanted - 1]
     row = shown(" | ".join(data.cells[i])).strip("'")
-    unclear = f"{len(numeric)} columns of numbers, {row}: it is not clear which are {what}"
-    cure = f"write {readings}" if of_map else f"write {readings}, or others, counted from 0"
+    unclear = f"{len(numeric)} columns of numbers, {row}: it is not clear which columns hold {what}"
+    cure = f"set {readings}" if of_map else f"set {readings}, or other columns (the first is 0)"
     if of_map:
-        cure = f"if they are x, y and z of a map, write line, the number of its line; else {cure}"
+        cure = f"if they are x, y and z of a map, set line to the number of a line; else {cure}"
     raise at(data.path, data.rows[i][0], f"{unclear}; {cure}")
 
 
@@ -222,9 +223,11 @@ def refuse_sideways(path: Source, rows: list[Row], layouts: list[Layout]) -> Non
                 if len(long) > 1
                 else f"a row of {least} numbers"
             )
-            what = f"{many}: the table lies on its side, or is a map of heights"
+            what = f"{many}: the table is transposed, or is a map of heights"
             raise at(
-                path, long[0][1], f"{what}; write a point a line: x and z, or x, y and z of a map"
+                path,
+                long[0][1],
+                f"{what}; write one point a line: x and z, or x, y and z for a map",
             )
 
 
@@ -248,5 +251,7 @@ def refuse_count(data: Data) -> None:
             continue
         line, text = data.rows[i]
         what = f"{shown(text.strip())} looks like the number of points below it"
-        cure = f"take the line out, or put # before it; if it is a point, write {cells[0]}{mark}0"
-        raise at(data.path, line, f"{what}: {cure}")
+        cure = (
+            f"remove the line or put # before it; if it is a point, write {cells[0]}{mark}0 there"
+        )
+        raise at(data.path, line, f"{what}; {cure}")

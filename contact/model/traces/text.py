@@ -113,7 +113,7 @@ def _bytes(path: Source) -> bytes:
             raw = require("gzip").decompress(raw)
     except zlib.error as error:
         raise SceneError.of(
-            "file", str(path), f"a file that can be read (not a whole gzip file: {error})"
+            "file", str(path), f"a file that can be read (the gzip file is damaged: {error})"
         ) from None
     except (OSError, EOFError, TypeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
@@ -129,11 +129,11 @@ def _text(path: Source, raw: bytes) -> str:
             raise SceneError.of(
                 "file",
                 str(path),
-                "a text file, not a spreadsheet or an archive: save its table as CSV",
+                "a text file, not a spreadsheet or an archive; save the table as CSV",
             )
         if b"\0" in raw:
-            allowed = "a text file with a table of numbers, or an instrument's with its own ending"
-            raise SceneError.of("file", str(path), f"{allowed} (this one is binary)")
+            allowed = "a text table of numbers, or an instrument's file with its usual ending"
+            raise SceneError.of("file", str(path), f"{allowed} (this file is binary)")
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         return raw.decode("latin-1")

@@ -34,7 +34,11 @@ def read_map(
     again = np.flatnonzero(np.bincount(number, minlength=1) > 1)
     if len(again):
         second = np.flatnonzero(number == again[0])[1]
-        raise at(path, table.lines[second], "the place (x, y) of an earlier line, a second time")
+        raise at(
+            path,
+            table.lines[second],
+            "this line repeats the point (x, y) of an earlier line; remove one",
+        )
     heights[i, j] = values[:, 2]
     pitches = [(far[-1] - far[0]) / (len(far) - 1) for far in (x, y)]
     sizes = pitches[0] * len(x), pitches[1] * len(y)
@@ -46,13 +50,15 @@ def _grid(path: Source, name: str, places: Array, table: Table) -> tuple[Array, 
     """(coordinates of the grid in one direction, index of each point in these coordinates)."""
     grid, index = np.unique(places, return_inverse=True)
     if len(grid) < 2:
-        raise at(path, table.lines[0], f"a map needs two values of {name} at least")
+        raise at(path, table.lines[0], f"a map needs at least two values of {name}")
     even = np.linspace(grid[0], grid[-1], len(grid))
     off = np.abs(grid - even)
     if off.max() > _UNEVEN * (even[1] - even[0]):
         # A coordinate that is not on the grid usually has the fewest points.
         rare = int(np.argmin(np.bincount(index.ravel())))
         row = table.lines[int(np.argmax(index == rare))]
-        what = f"the values of {name} have no even distances, such as at {grid[rare]:.6g} m"
-        raise at(path, row, f"{what}: interpolate the map to a grid, or export a line of it")
+        what = f"the values of {name} are not evenly spaced, for example at {grid[rare]:.6g} m"
+        raise at(
+            path, row, f"{what}; interpolate the map to an even grid, or export one line of it"
+        )
     return grid, np.asarray(index)

@@ -23,21 +23,21 @@ class Kind(Enum):
 
     TAPERED = (
         "the tapered ends",
-        'a smaller taper changes less, detrend = "quadratic" or a higher degree takes off a form '
-        "that lifts the ends, and without period no taper is needed",
+        'use a smaller taper, set detrend = "quadratic" or a higher degree if the form raises the '
+        "ends, or leave out period and taper",
     )
     FILLED = (
-        "dropouts that were filled by straight lines",
-        "nothing was measured there: measure again, or cut the trace",
+        "dropouts filled by straight lines",
+        "no heights were measured there; measure again, or cut the trace",
     )
     DROPPED = (
-        "dropouts, across which only the spline goes",
-        "nothing was measured there: measure again, or cut the trace",
+        "dropouts bridged by the spline alone",
+        "no heights were measured there; measure again, or cut the trace",
     )
     JOINED = (
-        "the piece between the last point and the first of the next period",
-        "nothing was measured there: give the length with which the trace repeats, or taper it and "
-        "give period = true",
+        "the interval from the last point to the first point of the next period",
+        "no heights were measured there; set period to the length after which the surface repeats, "
+        "or set taper and period = true",
     )
 
 
