@@ -77,7 +77,7 @@ class LocalizedPair(TwoZones):
             raise SceneError.of(
                 "centre",
                 self.centre,
-                "'pair' with the first-order closure: the isolated pair is the paper's",
+                "'pair' if closure is 'first-order', which uses the isolated pair of the paper",
             )
 
     @cached_property

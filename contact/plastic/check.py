@@ -74,7 +74,10 @@ def checked(fields: PlasticFields, load: float | None) -> Checked:
     height = fields.problem.units.height
     note = certificate.note
     if holds and not note:
-        note = "one contact: pressures from 0 to the limit, overlap on plateaus, no overlap in gaps"
+        note = (
+            "the only contact: pressures from 0 to the limit, overlap on plateaus, no overlap in "
+            "gaps"
+        )
     return Checked(
         replace(
             certificate,

@@ -44,9 +44,10 @@ AT_BORDER = "a contact zone reaches the border of the part of the profile that i
 # The width of the elastic rim between a plateau and the end of the contact is proportional to
 # exp(-pi E* s/(2 H)). Here s is the profile's slope at this end, and H is the hardness.
 NARROW_RIM = (
-    "between a plateau and a gap the pressure falls from its limit to zero over less than numbers "
-    "tell: the profile is too steep there for so small a hardness, or a contact beside it is about "
-    "to open or to meet another one: try a larger hardness or another load"
+    "between a plateau and a gap, the distance over which the pressure falls from its limit to "
+    "zero is below the rounding of numbers: the profile is too steep there for this hardness, or a "
+    "contact nearby is about to open or to merge with another one; use a larger hardness or "
+    "another load"
 )
 
 
@@ -82,7 +83,7 @@ class PlasticLoop:
             try:
                 free = self.moved(spots.zones(self.problem, self.limit), start)
             except sie.SingularSystem as failure:
-                return Failure(f"the equation has no solution on such zones ({failure})", free)
+                return Failure(f"the equation has no solution on these zones ({failure})", free)
             spots = Spots.of(free.density.zones, free.density.plateaus, self.problem.period)
             start = sie.WarmStart(modes_like=free.state.sizes if free.state.iterated else None)
             if len(free.lost) or len(free.met):
@@ -101,11 +102,17 @@ class PlasticLoop:
                 return self._result(free, fields, found, number)
             table = spots.contacts, spots.plateaus
             if any(all(map(same, table, before)) for before in tried):
-                return Failure(found.certificate.note or "the states did not settle", free)
+                return Failure(
+                    found.certificate.note or "the contacts and plateaus did not settle", free
+                )
             tried.append(table)
             following = self._corrected(spots, found)
             if following is None:
-                return Failure(found.certificate.note or "the balance of load fails", free)
+                return Failure(
+                    found.certificate.note
+                    or "the load or moment is not balanced, or the sign of a pressure is unclear",
+                    free,
+                )
             spots = following
         return Failure("the number of zones and plateaus did not settle", free)
 
@@ -118,12 +125,14 @@ class PlasticLoop:
         try:
             free = self.moved(found.free.density.zones, start)
         except sie.SingularSystem as failure:
-            return Failure(f"the equation has no solution on such zones ({failure})", found.free)
+            return Failure(f"the equation has no solution on these zones ({failure})", found.free)
         if not free.converged:
             return Failure(f"the zone ends did not settle: {free.reason}", free)
         fields, check = self._checked(free)
         if not check.certificate.holds:
-            return Failure(check.certificate.note or "the states did not settle", free)
+            return Failure(
+                check.certificate.note or "the contacts and plateaus did not settle", free
+            )
         return self._result(free, fields, check, found.rounds)
 
     def _checked(self, free: sie.Free) -> tuple[PlasticFields, Checked]:
@@ -159,7 +168,7 @@ class PlasticLoop:
             if isinstance(fault, ContactError):
                 raise
             raise SceneError(
-                f"what the scene gives the equation does not go together: {fault}"
+                f"the equation cannot be solved with the values from the scene: {fault}"
             ) from fault
 
     def _without_lost(self, free: sie.Free, spots: Spots) -> Spots | Failure:

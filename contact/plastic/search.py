@@ -33,7 +33,7 @@ def found(context: SolveContext) -> SolvedZones:
     failure = Failure("no grid was tried")
     start = context.warm_start
     if start is not None and isinstance(start.fields, PlasticFields):
-        context.plan.decide("first guess", "the warm start", "a similar solution is at hand")
+        context.plan.decide("first guess", "the warm start", "a similar solution is available")
         outcome = _solved(context, scaled, spots_of(scaled.problem, start))
         if isinstance(outcome, SolvedZones):
             return outcome

@@ -190,13 +190,13 @@ def figure_7() -> Figure:
         f"{100 * both.peak_error:+.3g} % at 2a/L = {f}" for f, both in closed.items()
     )
     notes = (
-        "p* = pi E* Delta/L. The paper gives no widths: 2a/L = 0.4 and 0.7, the latter where it "
-        "says the discrepancy begins.",
-        "The paper's curve is the first-order one. Self-consistent closure and one explicit "
-        "neighbour are added.",
-        "Solved from scenes; first-order and exact differ from (20)-(24) and (18) by at most "
-        f"{max(apart):.1e} of the peak.",
-        f"Largest pressure, first-order against exact: {errors}.",
+        "p* = pi E* Delta/L. The paper does not state the widths. Here 2a/L is 0.4 and 0.7; at "
+        "0.7, according to the paper, the discrepancy begins.",
+        "The paper's curve is the first-order one. The curves of the self-consistent closure and "
+        "of one explicit neighbour are added.",
+        "All curves are computed by the solver. The first-order and exact ones differ from "
+        f"(20)-(24) and (18) by at most {max(apart):.1e} of the peak.",
+        f"Error of the first-order largest pressure, relative to the exact one: {errors}.",
     )
     return seen.figure("7", "Pressure on a wave", notes, "2a/L", "p/p*")
 
@@ -233,12 +233,12 @@ def figure_8() -> Figure:
     notes = (
         "p* = pi E* Delta/L. The paper's curves are the first-order ones (23), (24) and the exact "
         "(18), (19).",
-        "Solved from scenes at given half-width; the first-order mean differs from (23) by at "
-        f"most {apart:.1e} of its peak.",
-        f"At 2a/L = 0.7, first-order: mean {100 * at.load_error:+.3g} %, greatest "
-        f"{100 * at.peak_error:+.3g} %; "
-        f"isolated: mean {100 * at.isolated_load_error:+.3g} %.",
-        "Where a model has no entry it has no contact of that width: one wave alone would overlap "
+        "All curves are computed by the solver at given half-widths. The first-order mean pressure "
+        f"differs from (23) by at most {apart:.1e} of its largest value.",
+        f"Errors at 2a/L = 0.7: first-order mean pressure {100 * at.load_error:+.3g} %, "
+        f"first-order largest pressure {100 * at.peak_error:+.3g} %, "
+        f"isolated mean pressure {100 * at.isolated_load_error:+.3g} %.",
+        "An entry is empty if the model has no contact of this width: one wave alone would overlap "
         "the surface at |x| = L/2.",
     )
     return Figure("8", "Mean and largest pressure on a wave", notes, columns, draw)
@@ -267,12 +267,12 @@ def figure_9() -> Figure:
     notes = (
         "b is the angle of the wedge. The paper gives no widths: 2a/L = 0.4 and 0.7 are chosen, as "
         "for the wave.",
-        "The pressure is infinite at x = 0: no entry there. The paper's curve is the first-order "
-        "one, (26) with |x| for x.",
-        "Solved from scenes; beyond |x| = 0.001 L they differ from (25) and (26) by at most "
-        f"{max(apart):.1e} of the greatest.",
-        "First-order against exact, greatest difference over the mean on the zone: "
-        f"{', '.join(beside)}.",
+        "The entry at x = 0 is empty, as the pressure is infinite there. The paper's curve is the "
+        "first-order one, (26) with |x| in place of x.",
+        "All curves are computed by the solver. For |x| > 0.001 L, the first-order and exact ones "
+        f"differ from (26) and (25) by at most {max(apart):.1e} of the largest pressure there.",
+        "Largest difference between the first-order and the exact pressure, divided by the mean "
+        f"pressure on the zone: {', '.join(beside)}.",
     )
     return seen.figure("9", "Pressure on a wedge", notes, "2a/L", r"p/(E* tan$\,\beta$)", 1.6)
 
@@ -305,10 +305,10 @@ def figure_10() -> Figure:
     notes = (
         "b is the wedge's angle. The paper's curves are the first-order (27) and the exact E* tan "
         "b artanh(sin(pi a/L))/pi.",
-        "Solved from scenes at given half-width; first-order differs from (27) by at most "
-        f"{apart:.1e} of its greatest.",
-        f"At 2a/L = 0.7: first-order {100 * at.load_error:+.3g} %, isolated "
-        f"{100 * at.isolated_load_error:+.3g} %.",
+        "All curves are computed by the solver at given half-widths. The first-order one differs "
+        f"from (27) by at most {apart:.1e} of its largest value.",
+        f"Errors of the mean pressure at 2a/L = 0.7: first-order {100 * at.load_error:+.3g} %, "
+        f"isolated {100 * at.isolated_load_error:+.3g} %.",
     )
     return Figure("10", "Width of contact of a wedge", notes, columns, draw)
 
@@ -329,12 +329,12 @@ def figure_11() -> Figure:
             assert solution is not None
             apart.append(worst(solution.pressure_at(t), form.pressure_at(t)))
     notes = (
-        "mean is the mean pressure over E*, 0.05 and 0.15 as in the paper, which leaves R/L open: "
-        "R = L is chosen.",
-        "Isolated is Hertz; exact is p = (L E*/2 pi R) arcosh(cos(pi x/L)/cos(pi a/L)), which the "
-        "paper takes to be unknown.",
-        "Solved from scenes; exact and first-order differ from closed forms by at most "
-        f"{max(apart):.1e} of the peak.",
+        "mean is the mean pressure divided by E*: 0.05 and 0.15, as in the paper. The paper does "
+        "not state R/L; here R = L.",
+        "The isolated solution is Hertz's. The exact one, which the paper regards as unknown, is "
+        "p = (L E*/2 pi R) arcosh(cos(pi x/L)/cos(pi a/L)).",
+        "All curves are computed by the solver. The exact and first-order ones differ from closed "
+        f"forms by at most {max(apart):.1e} of the peak.",
         *(
             f"mean {mean}, {model}: a/L = {0.5 * s.zone_widths[0]:.5f}, peak {s.max_pressure:.5f} "
             "E*"
@@ -374,13 +374,13 @@ def figure_12() -> Figure:
         _draw_errors(right, columns, {load: None}, "error of the load [%]", 30.0)
 
     notes = (
-        "The paper's curves are the first-order (30), the exact (28) and Hertz.",
-        f"Solved from scenes at given half-width; they differ from (30) by {apart:.1e} and from "
-        f"(28) by {kuznetsov:.1e} at most.",
-        f"At a/L = 0.125 Hertz is {100 * low.isolated_load_error:+.3g} % off in load at the same "
-        "width, "
-        f"{100 * hertz_width:+.3g} % in width at the same load.",
-        f"At a/L = 0.35: first-order {100 * end.load_error:+.3g} %, Hertz "
-        f"{100 * end.isolated_load_error:+.3g} % in load.",
+        "The paper's curves are the first-order (30), the exact (28) and Hertz's.",
+        "All curves are computed by the solver at given half-widths. The first-order loads differ "
+        f"from (30) by at most {apart:.1e}, the exact ones from (28) by at most {kuznetsov:.1e} "
+        "of the largest load.",
+        f"Errors of Hertz's solution at a/L = 0.125: {100 * low.isolated_load_error:+.3g} % in "
+        f"load at the same width, {100 * hertz_width:+.3g} % in width at the same load.",
+        f"Errors of the load at a/L = 0.35: first-order {100 * end.load_error:+.3g} %, Hertz "
+        f"{100 * end.isolated_load_error:+.3g} %.",
     )
     return Figure("12", "Width of contact of parabolic asperities", notes, columns, draw)

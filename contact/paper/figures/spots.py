@@ -59,7 +59,7 @@ def figure_2a() -> Figure:
         columns[f"p/E* {name} l/R={spacing}"] = (
             np.full(r.shape, np.nan) if spot is None else spot.pressure(r)
         )
-        text = "none, the spots would grow into one another"
+        text = "no solution, because neighbouring spots would overlap"
         if spot is not None:
             text = (
                 f"a/R = {spot.radius:.6f}, a/A = {spot.radius / spot.circle:.4f}, peak "
@@ -82,10 +82,10 @@ def figure_2a() -> Figure:
         label_panel(axes, "r/R", "p/E*", xlim=(0.0, None), ylim=(0.0, None))
 
     notes = (
-        "Spheres of radius R, hexagonal lattice of spacing l; pi P/2E*R^2 = 0.0044 is read as a "
-        "load per spot, not a pressure.",
-        "(1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent P_s; all neighbours: every "
-        "spot of the lattice in its place.",
+        "Spheres of radius R on a hexagonal lattice of spacing l. In pi P/2E*R^2 = 0.0044, P is "
+        "taken as the load of one spot, not as a pressure.",
+        "(1)-(4): with E*/4pi, A = (pi N)^(-1/2) and self-consistent P_s. All neighbours: every "
+        "spot of the lattice is taken at its true position.",
         *lines,
     )
     return Figure(
@@ -119,8 +119,7 @@ def figure_2b() -> Figure:
         off = columns["p/E* (1)-(4) l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
         hertz = columns["p/E* Hertz l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
         lines.append(
-            f"a/A = {shares[i]:.2f}: pressure by (1)-(4) {100 * off:+.3g} %, by Hertz "
-            f"{100 * hertz:+.3g} %"
+            f"a/A = {shares[i]:.2f}: (1)-(4) {100 * off:+.3g} %, Hertz {100 * hertz:+.3g} %"
         )
 
     def draw(figure: Any) -> None:
@@ -141,13 +140,13 @@ def figure_2b() -> Figure:
             label_panel(axes, r"$\bar p$/E*", "a/R", legend=axes is right)
 
     notes = (
-        "Spheres of radius R, hexagonal lattice of spacing l; p is the nominal pressure. The "
-        "paper's range of p is not given.",
-        "Solid (1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent; dashed every neighbour "
-        "in its place; dotted Hertz.",
-        "Solved for l = R: p R/E* l is the same function of a/A for every l. Spots touch at a = "
-        "l/2, a/A = 0.952.",
-        "Against all neighbours, at any l/R:",
+        "Spheres of radius R on a hexagonal lattice of spacing l; p is the nominal pressure. The "
+        "paper does not state the range of p.",
+        "Solid: (1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent. Dashed: all neighbours "
+        "at their true positions. Dotted: Hertz.",
+        "Computed for l = R only, since p R/E* l is the same function of a/A for every l. Spots "
+        "touch at a = l/2, where a/A = 0.952.",
+        "Errors of the pressure relative to the solution with all neighbours, at any l/R:",
         *lines,
     )
     return Figure("2B", "Radius of the spots against the nominal pressure", notes, columns, draw)

@@ -86,14 +86,14 @@ def figure_13() -> Figure:
         label_panel(right, "x/c", "1000 p/E*", xlim=(0.7, 1.2), ylim=(0.0, 4.9))
 
     notes = (
-        "L = 2.4c as in the paper, which leaves load and c/R open: mean pressure 0.00109 E*, c = "
-        "0.05 R.",
-        "printed (38) has a^2 + b^2 = 2c^2; corrected cubic the relation that follows from (37); "
-        "full artanh solves (35) itself.",
-        "cut at the widest gap: the same principle with the strip about the nearest asperities, "
-        "which lie in two pairs here.",
-        "exact, cut and alone are solved from scenes; their ends differ from the closed forms' by "
-        f"at most {apart:.1e} widths.",
+        "L = 2.4c as in the paper. The paper does not state the load and c/R; here the mean "
+        "pressure is 0.00109 E*, and c = 0.05 R.",
+        "printed (38): a^2 + b^2 = 2c^2. corrected cubic: the relation that follows from (37). "
+        "full artanh: solution of (35) without approximation of artanh.",
+        "cut at the widest gap: equation (35) for a strip around the two nearest asperities, which "
+        "here belong to different pairs.",
+        "exact, cut at the widest gap and pair alone (32) are computed by the solver. Their zone "
+        f"ends differ from those of the closed forms by at most {apart:.1e} of the zone width.",
         *lines,
     )
     return Figure(
