@@ -8,11 +8,11 @@ plateaus. The extreme scenes are those of `contact.studies.bench.extremes` that 
 about a second.
 
 A mechanism is switched off by replacing a function, a class attribute or a field of options, in a
-process of its own. A second process solves the same scenes at the same time, with all mechanisms
-on. For each mechanism the table has the number of scenes that are lost, the number of scenes whose
-answer changes by more than the sum of both stated errors, and the ratio of the processor times. If
-the object to be replaced does not exist, an error is raised. `--ordinary` leaves out the large and
-the extreme scenes, which take most of the time.
+process of its own; two processes run at a time. For each mechanism the table has the number of
+scenes that are lost, the number of scenes whose answer changes by more than the sum of both stated
+errors, and the processor time relative to the run with everything on. If the object to be replaced
+does not exist, an error is raised. `--ordinary` leaves out the large and the extreme scenes, which
+take most of the time.
 `python -m contact.studies.pages DIR` sets DIR/ablation.md in docs/ablation.md.
 """
 
@@ -381,13 +381,13 @@ def main(names: list[str], options: list[str], out: Path | None) -> None:
     def run(name: str) -> dict[str, Any]:
         return measured("contact.studies.ablation", "--one", name, *options)
 
-    rows = []
     with ThreadPoolExecutor(2) as pool:
-        # Speeds of processors vary in the course of a long run. So each run with a mechanism off
-        # has a run with all mechanisms on at its side. The first pair, with all mechanisms on in
-        # both runs, shows by how much times differ at random.
-        for name in ("", *names):
-            rows.append(row(name or "nothing", *pool.map(run, ("", name))))
+        # Two runs at a time. The first two have all mechanisms on: their difference shows by how
+        # much times differ at random.
+        runs = pool.map(run, ("", "", *names))
+        on, rows = next(runs), []
+        for name, off in zip(("nothing", *names), runs, strict=True):
+            rows.append(row(name, on, off))
             publish(Table("ablation", "each mechanism off in turn", COLUMNS, rows), [], out)
 
 
