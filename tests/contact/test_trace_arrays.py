@@ -135,6 +135,8 @@ def test_a_prepared_array_is_prepared_again_in_another_way() -> None:
         (lambda: read_trace((X, Z), pitch=1.0), "pitch = 1.0 is refused: it must be left out"),
         (lambda: read_trace((X, Z, Z)), "a pair"),
         (lambda: read_trace((X, Z), columns=(0, 1)), "columns = .* left out"),
+        (lambda: read_trace(Scan(), line=2), r"line = 2 is refused.*one line scan"),
+        (lambda: read_trace(Scan(), along="x"), r"along = 'x' is refused.*one line scan"),
         (lambda: read_trace(None), "path_or_arrays = None is refused"),
         (lambda: read_trace((X, Z + 0j)), "z = .* real numbers"),
         (lambda: read_trace((Quantity(X, None), Quantity(Z, 1.0))), "x = .* a length"),

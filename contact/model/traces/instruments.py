@@ -122,10 +122,11 @@ def points_of(path: Source, surface: Any, line: Any, along: Any) -> tuple[Array,
     except Exception as error:
         raise at(path, 0, f"the heights cannot be read ({error})") from error
     if heights.ndim == 1:
-        if line is not None or along is not None:
-            raise SceneError.of(
-                "line", line, "left out, like along, because the data are one line scan, not a map"
-            )
+        for name, given in (("line", line), ("along", along)):
+            if given is not None:
+                raise SceneError.of(
+                    name, given, "left out, because the data are one line scan, not a map"
+                )
         return positions, heights, ""
     x, height, where = of_map(heights, surface.physical_sizes, line, along)
     return x, height, f", {where}"

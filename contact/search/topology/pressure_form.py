@@ -151,7 +151,7 @@ class PressureForm:
         if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
             if rounded := input_checks.height_rounding(self.problem, zones.table):
                 raise SceneError(rounded, "profile", self.problem.profile)
-            raise WrongTopology(certificate.note or "the balance of load fails", None)
+            raise WrongTopology(certificate.note or "the load or the moment is not balanced", None)
         (left, right), (lo, hi) = certificate.overlaps.T, self.problem.corners
         width = right - left
         middle = 0.5 * (left + right)
