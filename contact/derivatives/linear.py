@@ -235,8 +235,8 @@ class Linearized(sie.Kept):
         units, relative = fields.problem.units, self.solution.error
         noise, errors = rate.noise, abs(numbers) * (2 * relative)
         if self.stress is not None:
-            missed = 2 * (relative + self.stress.missed)
-            errors = replace(errors, max_stress=np.abs(numbers.max_stress) * missed)
+            relative_error = 2 * (relative + self.stress.yield_error)
+            errors = replace(errors, max_stress=np.abs(numbers.max_stress) * relative_error)
         period = self.solution.scene.period
         if not isinstance(fields, (ZoneFields, GapFields)):
             size = noise * units.pressure

@@ -237,7 +237,7 @@ class ParameterRates(sie.Kept):
         """
         nothing, stress = self.linearized.by_load.times(0.0), self.linearized.stress
         assert stress is not None
-        error = np.abs(rates) * (4 * (self.solution.error + stress.missed))
+        error = np.abs(rates) * (4 * (self.solution.error + stress.yield_error))
         return replace(
             nothing,
             values=replace(nothing.values, max_stress=rates),

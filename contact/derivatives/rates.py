@@ -60,7 +60,7 @@ class Rate:
 
 
 @record
-class Turned:
+class LoadRates:
     """Derivatives of the load and the moment by the parameter, in scaled units."""
 
     load: float = 0.0
@@ -86,13 +86,13 @@ def rate_of(fields: Fields, direction: Profile, load: float, moment: float = 0.0
     load: [N/m] per unit of the parameter. moment: [N] likewise, if the moment is given.
     """
     units = fields.problem.units
-    grown = Turned(load / units.load, moment / units.moment)
+    load_rates = LoadRates(load / units.load, moment / units.moment)
     try:
         if isinstance(fields, ZoneFields):
             of = _of_intensities if fields.solved_zones.follow_ends else _of_zones
-            return of(fields, direction, grown)
+            return of(fields, direction, load_rates)
         if isinstance(fields, GapFields):
-            return _of_gaps(fields, direction, grown)
+            return _of_gaps(fields, direction, load_rates)
     except (ValueError, sie.SingularSystem) as error:
         raise SceneError(f"no derivative along this change: {error}", "change") from error
     if isinstance(fields, FullFields):
@@ -119,10 +119,10 @@ class RateFields(ZoneFields):
         return -(self._relative_displacement(middle) + self.standing_shape(middle))
 
 
-def _of_zones(fields: ZoneFields, direction: Profile, grown: Turned) -> Rate:
-    problem = changed(fields.problem, direction, grown.moment)
+def _of_zones(fields: ZoneFields, direction: Profile, load_rates: LoadRates) -> Rate:
+    problem = changed(fields.problem, direction, load_rates.moment)
     zones = held(fields.solved_zones)
-    state = sie.solve_zones(problem.equation(Load(grown.load)), zones, TOLERANCES.rounding)
+    state = sie.solve_zones(problem.equation(Load(load_rates.load)), zones, TOLERANCES.rounding)
     rate, units = RateFields(problem, state), problem.units
     k = np.array(state.density.intensities)
     return Rate(
@@ -143,14 +143,14 @@ def _fills_period(problem: Problem) -> bool:
     return problem.period is not None and problem.corners == (-np.inf, np.inf)
 
 
-def _of_intensities(fields: ZoneFields, direction: Profile, grown: Turned) -> Rate:
-    problem = changed(fields.problem, direction, grown.moment)
+def _of_intensities(fields: ZoneFields, direction: Profile, load_rates: LoadRates) -> Rate:
+    problem = changed(fields.problem, direction, load_rates.moment)
     zones = replace(fields.solved_zones, symmetric=False)
     equation = fields.problem.equation(Load(fields.density.total))
     state = sie.solve_zones(equation, zones, TOLERANCES.rounding)
     none = np.zeros(len(zones))
     found = sie.Solution(state.density, zones, state.density_error, errors=none, state=state)
-    rate = found.derivative(problem.forcing, values=[grown.load, 0.0])
+    rate = found.derivative(problem.forcing, values=[load_rates.load, 0.0])
     density, units = rate.density, problem.units
     middle = zones.middle[:1]
     level = float((density.potential(middle) - problem.shape(middle))[0])
@@ -179,14 +179,14 @@ def _of_intensities(fields: ZoneFields, direction: Profile, grown: Turned) -> Ra
     )
 
 
-def _of_gaps(fields: GapFields, direction: Profile, grown: Turned) -> Rate:
-    problem = changed(fields.problem, direction, grown.moment)
+def _of_gaps(fields: GapFields, direction: Profile, load_rates: LoadRates) -> Rate:
+    problem = changed(fields.problem, direction, load_rates.moment)
     units, law = problem.units, problem.law
     relief = FullLimit(direction, units.E_star, problem.operator, law).relief
     form = GapForm(problem, ScaledRelief.of(relief, problem))
-    equation = form.equation(Load(grown.load))
+    equation = form.equation(Load(load_rates.load))
     state = sie.solve_zones(equation, held(fields.solved_zones), TOLERANCES.rounding)
-    mean = grown.load / problem.repeat_length
+    mean = load_rates.load / problem.repeat_length
     rate = GapFields(problem, state, mean, form.relief)
     outward = moves_by(state.density, fields.gap_slope)
     k = np.array(state.density.intensities)

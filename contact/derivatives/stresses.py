@@ -65,16 +65,20 @@ class LargestStress(sie.Kept):
         The solution.
     criterion : Criterion
         The criterion of the equivalent stress.
-    missed : float
+    yield_error : float
         Relative error of the load of first yield, if the solution is under this load.
     local : bool
         Whether all local maxima that the search finds count, also those below the largest.
     """
 
     def __init__(
-        self, solution: Solution, criterion: Criterion, missed: float = 0.0, local: bool = False
+        self,
+        solution: Solution,
+        criterion: Criterion,
+        yield_error: float = 0.0,
+        local: bool = False,
     ) -> None:
-        self.solution, self.criterion, self.missed = solution, criterion, missed
+        self.solution, self.criterion, self.yield_error = solution, criterion, yield_error
         self.local = local
         if infinite_at(solution) is not None:
             raise SceneError(

@@ -47,7 +47,7 @@ class Places:
         cls, solution: Solution, wanted: StressObjective, most: int, tol: float
     ) -> Places:
         """The local maxima of the stress; under the load of first yield if this is sought."""
-        found, missed = None, 0.0
+        found, yield_error = None, 0.0
         if wanted.strength is not None:
             found = solution.first_yield(
                 wanted.strength, wanted.nu, wanted.criterion, wanted.lateral, tol
@@ -56,8 +56,8 @@ class Places:
                 raise SceneError(
                     f"first yield: {found.note}: its load has no derivatives", "objective"
                 )
-            solution, missed = found.solution, found.error
-        stress = LargestStress(solution, wanted.rule, missed, local=True)
+            solution, yield_error = found.solution, found.error
+        stress = LargestStress(solution, wanted.rule, yield_error, local=True)
         return cls(Sensitivity(solution, stated=False, stress=stress), "max_stress", most, found)
 
     @property

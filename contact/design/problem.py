@@ -66,7 +66,7 @@ class Problem:
         self._gradients: dict[tuple[bytes, str], list[Array]] = {}
 
     @property
-    def levels(self) -> bool:
+    def minimizes_levels(self) -> bool:
         """Whether the search minimizes levels t, one for each contact, instead of the objective.
         A level is at least as large as each value of `competing` for its contact.
         """
@@ -133,8 +133,8 @@ class Problem:
         """Contact of a scene; if the tolerance is missed, one with half of the wanted digits."""
         try:
             return solve(scene, self.tol)
-        except NotConverged as missed:
-            best = missed.best
+        except NotConverged as failure:
+            best = failure.best
             if isinstance(best, Solution) and best.error <= self.tol**0.5:
                 if best.certificate.holds:
                     return best

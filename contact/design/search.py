@@ -30,7 +30,7 @@ from sie import Array
 
 def minimum(problem: Problem) -> Design:
     """The design with the smallest objective, by SLSQP under conditions, else by L-BFGS-B."""
-    if problem.levels:
+    if problem.minimizes_levels:
         return _lowest_levels(problem)
     start = problem.variables.start
     first = problem.gradient(start)

@@ -116,13 +116,13 @@ class ContactRates(sie.Kept):
         """
         return step[0] * self.by_centre + step[1] * self.by_pressure + step[2] * self.by_load
 
-    def of_ends(self, off: Array) -> Array:
+    def of_ends(self, errors: Array) -> Array:
         """Bounds of the errors of the zone ends (Z, 2), relative to the width of the zone.
 
-        off: the errors of centre, nominal pressure and load (3,).
+        errors: those of centre, nominal pressure and load (3,).
         """
         by = np.abs(self.by_centre), np.abs(self.by_pressure), np.abs(self.by_load)
-        moved = sum(abs(part) * rate for part, rate in zip(off, by, strict=True))
+        moved = sum(abs(part) * rate for part, rate in zip(errors, by, strict=True))
         return np.asarray(np.asarray(moved).T / np.diff(table_of(self.at.strip), axis=1))
 
     @cached_property

@@ -15,7 +15,7 @@ from contact.solver import solved_along
 from sie import Array
 
 
-class Missed:
+class FailureCollector:
     """Collects the values of a control at which a solution misses the tolerance.
     The other values are solved before an error is raised for these values.
     """

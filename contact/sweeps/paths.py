@@ -39,7 +39,7 @@ from contact.solution.export import new_file
 from contact.solution.model_warnings import curve_warnings
 from contact.solution.solution import Solution
 from contact.sweeps import path_table
-from contact.sweeps.curve import Curve, Missed
+from contact.sweeps.curve import Curve, FailureCollector
 from contact.sweeps.event_search import EventSearch, follows
 from contact.sweeps.hidden_events import OPTIONS as HIDDEN
 from contact.sweeps.hidden_events import ends_and_rates, may_hide
@@ -186,7 +186,7 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
     run.curve.solve_in_closed_form(values)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
-    missed = Missed("load")
+    failures = FailureCollector("load")
     with unwarned():
         for k, load in enumerate(values):
             if progress is not None:
@@ -196,12 +196,12 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
             except OutOfRange as error:
                 raise OutOfRange(f"at the load {load:.6g} N/m: {error}") from error
             except NotConverged as failure:
-                missed.add(load, failure)
+                failures.add(load, failure)
                 continue
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
     found = Path(tuple(solutions), tuple(passed))
-    missed.refuse(len(solutions), found)
+    failures.refuse(len(solutions), found)
     # Warnings are given once, for the highest load, at which slopes and pressures are largest. They
     # point to the caller of `contact.path`.
     warn(curve_warnings(solutions), stacklevel=4)

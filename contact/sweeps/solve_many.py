@@ -16,7 +16,7 @@ from contact.search.topology.loop import Progress
 from contact.solution.model_warnings import curve_warnings
 from contact.solution.solution import Solution
 from contact.solver import tolerance
-from contact.sweeps.curve import Curve, Missed
+from contact.sweeps.curve import Curve, FailureCollector
 from contact.sweeps.sweep.chunks import Chunk
 from contact.sweeps.sweep.processes import processors, solved_in_processes
 from sie import Array
@@ -92,12 +92,12 @@ def solve_many(
     curve.solve_in_closed_form(given)
     found: dict[int, Solution] = {}
     best: dict[int, Any] = {}
-    missed = Missed(name)
+    failures = FailureCollector(name)
     with unwarned():
         if several:
             for place, row in _in_processes(curve, given, workers):
                 if isinstance(row, NotConverged):
-                    missed.add(given[place], row)
+                    failures.add(given[place], row)
                     best[place] = row.best
                 else:
                     found[place] = row
@@ -112,11 +112,11 @@ def solve_many(
                 try:
                     found[int(place)] = curve.at(float(given[place]))
                 except NotConverged as failure:
-                    missed.add(given[place], failure)
+                    failures.add(given[place], failure)
                     best[int(place)] = failure.best
     # Warnings are given once for the whole curve. They are those at the highest load, where slopes
     # and pressures are largest, and those about unmeasured intervals.
-    missed.refuse(len(found), [(found | best)[k] for k in range(len(given))])
+    failures.refuse(len(found), [(found | best)[k] for k in range(len(given))])
     warn(curve_warnings(found.values()))
     return [found[k] for k in range(len(given))]
 

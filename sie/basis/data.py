@@ -166,17 +166,17 @@ def numbered(counts: Index) -> Index:
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def by_rows(of: Callable[..., Any], *tables: NDArray[Any], max_rows: int = 2048) -> Any:
-    """The result of a function `of` for long tables, computed in blocks of at most `max_rows` rows.
+def by_rows(function: Callable[..., Any], *tables: NDArray[Any], max_rows: int = 2048) -> Any:
+    """The result of a function for long tables, computed in blocks of at most `max_rows` rows.
 
     The function must act on each row alone. Without blocks, its intermediate arrays would not fit
     into the cache.
     """
     if len(tables[0]) <= max_rows:
-        return of(*tables)
+        return function(*tables)
     return np.concatenate(
         [
-            of(*(table[s : s + max_rows] for table in tables))
+            function(*(table[s : s + max_rows] for table in tables))
             for s in range(0, len(tables[0]), max(1, max_rows))
         ]
     )

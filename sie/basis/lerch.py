@@ -108,7 +108,7 @@ def near_one(a: complex, from_one: Number) -> Number:
 
     x^a times `lerch` is a constant, minus log(1 - x), minus (1 - x) times this sum.
     """
-    return _polynomial(_beside(a), from_one)
+    return _polynomial(_near_one_coefficients(a), from_one)
 
 
 def _by_ray(a: complex, x: Number) -> Number:
@@ -141,7 +141,7 @@ def complex_or_real(value: Any) -> Any:
 
 
 @lru_cache(maxsize=256, typed=True)
-def _beside(a: complex) -> Number:
+def _near_one_coefficients(a: complex) -> Number:
     """Coefficients (1 - a)_k / (k! k) of (1 - x)^(k - 1), k = 1, 2, ..., in `near_one`.
     (1 - a)_k is the rising factorial.
     """

@@ -301,14 +301,14 @@ class PowerJump(Kept):
         out = np.empty_like(point[1])
         at_left, at_right = np.ravel(self.left), np.ravel(self.right)
         before, beyond = (np.ravel(level) for level in self.levels)
-        # The transform is a constant plus or minus `_share`. The constant is the value of
+        # The transform is a constant plus or minus `_jump_transform`. The constant is the value of
         # (kappa + T) J_s to the left of s (`before`) or to the right of s (`beyond`). Of these two
         # constants the smaller one is used, so that a small transform loses no digits.
         kept = (-before <= beyond)[which]
         at, pair = which[kept], tuple(x[kept] for x in point)
-        out[kept] = before[at] + _share(self.weighted, at_left[at], at_right[at], pair)
+        out[kept] = before[at] + _jump_transform(self.weighted, at_left[at], at_right[at], pair)
         at, pair = which[~kept], tuple(-np.conj(point[i][~kept]) for i in (1, 0, 2))
-        mirrored = _share(self.weighted.mirrored, at_right[at], at_left[at], pair)
+        mirrored = _jump_transform(self.weighted.mirrored, at_right[at], at_left[at], pair)
         out[~kept] = beyond[at] - np.conj(mirrored)
         powers = [np.ravel(power)[which] for power in self.powers(order)]
         return _multiplied(out, point[2], powers)
@@ -347,7 +347,7 @@ class PowerJump(Kept):
             )
 
 
-def _share(
+def _jump_transform(
     w: JacobiFunctions, at_left: Array, at_right: Array, point: tuple[Number, ...]
 ) -> Number:
     """The transform of J_s plus a constant, at pairs of a point zeta and a jump position s.

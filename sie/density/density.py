@@ -153,7 +153,9 @@ class Density(Series):
             np.repeat(self.kernel.poles, len(self.zones)),
         )
         fast = (
-            self.treecode if self.has_series or len(flat) * len(zone) > BLOCKS.cache_pairs else None
+            self.treecode
+            if self.has_treecode or len(flat) * len(zone) > BLOCKS.cache_pairs
+            else None
         )
         if fast is not None:
             out = fast.potential(flat) if potential else fast.transform(flat)
@@ -174,8 +176,8 @@ class Density(Series):
         return Treecode(self) if reaches(self.kernel, self.zones) else None
 
     @property
-    def has_series(self) -> bool:
-        """Whether `treecode` (fast sums) exists here, or existed in the object that was copied.
+    def has_treecode(self) -> bool:
+        """Whether `treecode` has been built here, or in the object from which this was copied.
 
         Then all sums use it, so that a copy and its original agree to the last digit.
         """
@@ -183,4 +185,4 @@ class Density(Series):
 
     def __getstate__(self) -> Any:
         kept = super().__getstate__()
-        return kept | {"summed": True} if self.has_series else kept
+        return kept | {"summed": True} if self.has_treecode else kept

@@ -296,7 +296,7 @@ class _Search:
         border = domain_limit(self.zones, self.equation, motion.delta)
         if self._is_given_up(state, motion, border):
             reason = self._reason(state, motion, border)
-            return self._failed(state, motion, rest, reason)
+            return self._result(state, motion, rest, reason)
         self.value += motion.change
         return self._moved(state, motion, rest)
 
@@ -417,7 +417,7 @@ class _Search:
         change = "a zone has shrunk away" if len(lost) else "a gap has closed"
         reason = "; ".join(filter(None, [change, self.progress.past_fold]))
         return replace(
-            self._failed(state, motion, rest, reason), value=self.value, lost=lost, met=met
+            self._result(state, motion, rest, reason), value=self.value, lost=lost, met=met
         )
 
     def _converged(self, state: AnyState, motion: NewtonStep, rest: Convergence) -> Free:
@@ -439,15 +439,15 @@ class _Search:
         state = state.with_bounded_ends() if self.options.bounded_ends else state
         stable = motion.branch is None or motion.branch.growth < 0.0
         return replace(
-            self._failed(state, motion, rest, _CONVERGED if stable else _UNSTABLE),
+            self._result(state, motion, rest, _CONVERGED if stable else _UNSTABLE),
             converged=True,
             value=self.value if opened is not None else None,
             stable=stable,
             left=damped(state.density.zones, self.equation, motion.delta, self.options),
         )
 
-    def _failed(self, state: AnyState, motion: NewtonStep, rest: Convergence, reason: str) -> Free:
-        """The result of the search when the ends have not converged."""
+    def _result(self, state: AnyState, motion: NewtonStep, rest: Convergence, reason: str) -> Free:
+        """The result of the search at this state, marked as not converged."""
         return Free(
             state,
             False,

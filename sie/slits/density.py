@@ -277,7 +277,7 @@ class SlitDensity(DensityBase):
         for here in self.slits:
             for k, kink in self.kinks_of(here):
                 i = here.which[k]
-                slope = kink.at_ends / np.pi * self.geometry.slits.slope_scale[i]
+                slope = kink.end_factor / np.pi * self.geometry.slits.slope_scale[i]
                 left[i] -= root_left[i] * slope
                 right[i] += root_right[i] * slope
         return left, right
@@ -585,7 +585,7 @@ class SlitDensity(DensityBase):
                 (seen.excess + np.where(past, slit.rest, slit.start)) / slit.half, seen.sign, d
             )
         for _, kink in self.kinks_of(here):
-            left, right, _, weight = kink.seen
+            left, right, _, weight = kink.quadrature
             away = seen.excess[:, None] + np.where(past[:, None], right, left)
             total += seen.sign / np.pi * ((root_weight(left, right) / away) @ weight)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -609,7 +609,7 @@ class SlitDensity(DensityBase):
             values = slit.at_gauss(d) / slit.x_root / slit.nodes
             total -= 2 * slit.width * (angles(slit.theta) @ values)
         for _, kink in self.kinks_of(here):
-            _, _, theta, weight = kink.seen
+            _, _, theta, weight = kink.quadrature
             total -= 2 / np.pi * here.w * (angles(theta) @ weight)
         return total
 

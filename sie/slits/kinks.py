@@ -153,7 +153,7 @@ class SlitKink(Kept):
         )
 
     @property
-    def at_ends(self) -> float:
+    def end_factor(self) -> float:
         """Factor J of the jump's part of the slack (the slit's unknown function) close to its ends.
         This part psi, see `slope`, is -(J/pi) sqrt(2 delta) at the small distance delta from the
         left end, and +(J/pi) sqrt(2 delta) at the distance delta from the right end. delta is
@@ -162,7 +162,7 @@ class SlitKink(Kept):
         return self.jump * self.half**self.order * self._weights[0]
 
     @cached_property
-    def seen(self) -> tuple[Array, Array, Array, Array]:
+    def quadrature(self) -> tuple[Array, Array, Array, Array]:
         """Quadrature rule (from_left, from_right, angles, weights W): int psi f dt = sum W f.
         The integral runs over the slit. psi is the part of the slack (the slit's unknown function)
         that the jump causes, and f is any smooth function.
@@ -179,12 +179,12 @@ class SlitKink(Kept):
         return from_left, from_right, angle, self.half * weight * self.slope(left, right)
 
     @cached_property
-    def _over_root(self) -> Array:
+    def _weights_over_root(self) -> Array:
         """Weights of a quadrature rule for integrals of psi f / (pi X), with X = sqrt(1 - t^2).
         psi is the part of the slack due to the jump (see `slope`), f is any smooth function, and t
         is the coordinate of the wide zone.
         """
-        from_left, from_right, _, weight = self.seen
+        from_left, from_right, _, weight = self.quadrature
         return np.asarray(weight / root_weight(from_left, from_right) / np.pi)
 
     @property
@@ -192,13 +192,13 @@ class SlitKink(Kept):
         """Integral of psi over the slit, divided by pi times the slit's half width.
         psi is the part of the slack (the unknown function in the slit) that the jump causes.
         """
-        return float(self.seen[3].sum()) / (np.pi * self.half)
+        return float(self.quadrature[3].sum()) / (np.pi * self.half)
 
     def slack_coefficients(self, count: int) -> Array:
         """Sine coefficients s_k, k = 0 ... `count`, of psi on the wide zone.
         psi is the part of the slack (the unknown function in the slit) that the jump causes.
         """
-        _, _, angle, weight = self.seen
+        _, _, angle, weight = self.quadrature
         return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * angle) @ weight)
 
     @property
@@ -209,7 +209,7 @@ class SlitKink(Kept):
         1 / sqrt(1 - t^2).
         """
         middle = theta(self.start + self.half, self.rest + self.half)
-        _, _, angle, weight = self.seen
+        _, _, angle, weight = self.quadrature
         return float((angle - middle) @ weight) / np.pi
 
     # The methods below give the density that psi causes on the wide zone. psi is the part of the
@@ -219,9 +219,9 @@ class SlitKink(Kept):
         """(a_0, a_1) of the part (a_0 + a_1 t) / sqrt(1 - t^2) of the density that psi causes.
         psi is the jump's part of the slack (the slit's unknown function), see `slope`.
         """
-        from_left, from_right, _, _ = self.seen
-        return float(self._over_root @ (0.5 * (from_left - from_right))), float(
-            self._over_root.sum()
+        from_left, from_right, _, _ = self.quadrature
+        return float(self._weights_over_root @ (0.5 * (from_left - from_right))), float(
+            self._weights_over_root.sum()
         )
 
     @cached_property
@@ -249,7 +249,7 @@ class SlitKink(Kept):
         value = sines - 2 * self.half * (self.zeta * mean + float(np.mean(cosine * angles)))
         return self.jump / np.pi * value, self.jump / np.pi * mean
 
-    def _turn(self, from_left: Array, from_right: Array) -> Array:
+    def _linear_term(self, from_left: Array, from_right: Array) -> Array:
         """Values of the linear function given by `polynomial`, at points of the wide zone.
 
         from_left, from_right: distances from the zone's ends, in half widths of the zone.
@@ -267,8 +267,8 @@ class SlitKink(Kept):
         """
         root, (a_0, a_1) = root_weight(from_left, from_right), self.edge
         value = (
-            self.jump / np.pi * self._spread(from_left, from_right, z)
-            - self._turn(from_left, from_right) * root
+            self.jump / np.pi * self._smoothed(from_left, from_right, z)
+            - self._linear_term(from_left, from_right) * root
         )
         return np.asarray(root * value + a_0 + a_1 * 0.5 * (from_left - from_right))
 
@@ -296,10 +296,10 @@ class SlitKink(Kept):
         own = (sums - np.log(self.half * away)) * (
             self.half * np.where(past, away, -away)
         ) ** self.order
-        spread = self._spread(from_left, from_right, z)
+        smoothed = self._smoothed(from_left, from_right, z)
         return np.asarray(
-            -self.jump / np.pi * (own - spread)
-            - self._turn(from_left, from_right) * root_weight(from_left, from_right)
+            -self.jump / np.pi * (own - smoothed)
+            - self._linear_term(from_left, from_right) * root_weight(from_left, from_right)
         )
 
     def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
@@ -307,12 +307,14 @@ class SlitKink(Kept):
 
         It is (X(t)/pi) int psi / (X(tau) (t - tau)) dtau, with X(t) = sqrt(1 - t^2).
         """
-        lefts = self.seen[0]
+        lefts = self.quadrature[0]
         inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
         away = np.where(past, 1.0, -1.0)[:, None] * (self.half * outside[:, None] + inward)
-        return np.asarray(root_weight(from_left, from_right) * ((1 / away) @ self._over_root))
+        return np.asarray(
+            root_weight(from_left, from_right) * ((1 / away) @ self._weights_over_root)
+        )
 
-    def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
+    def _smoothed(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """The smooth function that replaces the jump's singular density (t - s)^q kappa.
         kappa is a logarithm that is infinite at the jump's position s, and q is the jump's order.
         For q = 0 the smooth function is the mean of kappa over all positions s in the slit. The
@@ -339,8 +341,10 @@ class SlitKink(Kept):
     def edge_slopes(self) -> tuple[float, float]:
         """Derivatives of the density `outside_slit` by the angle from each end of the wide zone."""
         if self.order == HIGHEST:
-            lefts, rights, _, _ = self.seen
-            return -float(self._over_root @ (1 / lefts)), float(self._over_root @ (1 / rights))
+            lefts, rights, _, _ = self.quadrature
+            return -float(self._weights_over_root @ (1 / lefts)), float(
+                self._weights_over_root @ (1 / rights)
+            )
         _, l, r = self.mean_places
         out = []
         sides = (

@@ -508,7 +508,7 @@ class SlitState(Answered):
         wide, zone = self.whole, self.geometry.piece_zone
         sizes = np.where(sizes > 0.0, sizes, np.inf)
         of_wide = (
-            wide.made_of(self._neglected)
+            wide.truncation_errors(self._neglected)
             + self._tails
             + self.density_rounding
             + wide.linear_error

@@ -20,7 +20,8 @@ from sie.states.rounding import density_rounding, intensity_rounding, truncation
 AT_ENDS = 0.73
 # Round-off of a sum of n coefficients close to a free end, divided by n^1.5 times the largest error
 # of a coefficient. Divided by n^1.5 times the mean error, it is 0.42. The largest error is about
-# three times the mean, which gives 0.14. `State.made_of` doubles it, so about half is used.
+# three times the mean, which gives 0.14. `State.truncation_errors` doubles it, so about half is
+# used.
 _OF_ROUNDING = 0.08
 
 
@@ -77,7 +78,7 @@ class State(Solved):
         zones, modes_of = self.density.zones, self.system.layout.m
         solved, sizes = zones.solved, np.where(sizes > 0.0, sizes, np.inf)
         fields = self._missing_fields * (1 - self._falls**2)
-        error = self.made_of(self._missing) + AT_ENDS * fields * modes_of
+        error = self.truncation_errors(self._missing) + AT_ENDS * fields * modes_of
         error = (error + self.linear_error + self.density_rounding) / sizes
         seen = residual_errors(
             self._residuals, sizes[solved], modes_of[solved], self.jumps_rounding[solved]
@@ -155,7 +156,7 @@ class State(Solved):
             self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
         )
 
-    def made_of(self, left_out: Array) -> Array:
+    def truncation_errors(self, left_out: Array) -> Array:
         """Errors of each zone's density (Z,) caused by neglected coefficients with given sums (Z,).
 
         The sums are multiplied by the number of coefficients, since a coefficient c_k counts about

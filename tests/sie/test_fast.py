@@ -151,7 +151,7 @@ def test_half_a_period_from_the_middle_fields_do_not_depend_on_round_off():
         x = (opposite[:, None] + 1e-16 * np.arange(-8, 9)).ravel()
         beside = opposite[0] + 1e-13
         transform, potential = float(density.transform(beside)), float(density.potential(beside))
-        assert not density.has_series
+        assert not density.has_treecode
         assert density.treecode.transform(x) == pytest.approx(transform, abs=1e-11)
         assert density.treecode.potential(x) == pytest.approx(potential, abs=1e-12)
 
@@ -162,9 +162,9 @@ def test_once_series_are_computed_single_points_use_them_too():
         zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0)
     )
     before = density.transform(0.3)
-    assert not density.has_series
+    assert not density.has_treecode
     density.transform(np.linspace(-1.0, 1.0, 30_000))
-    assert density.has_series
+    assert density.has_treecode
     assert (
         density.transform(0.3)
         == density.treecode.transform(np.array([0.3]))[0]
@@ -178,7 +178,7 @@ def test_a_density_with_series_is_freed_without_the_garbage_collector():
         zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0)
     )
     density.transform(np.linspace(-1.0, 1.0, 30_000))
-    assert density.has_series
+    assert density.has_treecode
     held = weakref.ref(density)
     gc.disable()
     try:

@@ -87,8 +87,8 @@ def _turned(scene: Scene, guess: float) -> ScaledScene:
         assert scene.tilt is not None
         profile = Tilted(scene.profile, scene.tilt)
         return _scaled_by(scene, profile, _window(scene, profile))
-    lean = tilt_search(scene, guess)
-    return _scaled_by(scene, Tilted(scene.profile, lean.tilt), lean.window)
+    found = tilt_search(scene, guess)
+    return _scaled_by(scene, Tilted(scene.profile, found.tilt), found.window)
 
 
 def _scaled_by(scene: Scene, profile: Profile, window: Window) -> ScaledScene:

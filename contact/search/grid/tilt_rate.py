@@ -75,29 +75,29 @@ def balanced(
             if not low < tilt < high or high - low <= TOLERANCES.balance * abs(tilt):
                 break
         try:
-            lean = measure(tilt)
+            trial = measure(tilt)
         except OutOfRange:
             if best is not None:
                 low, high = (tilt, high) if tilt < best.tilt else (low, tilt)
             elif not waiting:
                 raise
             continue
-        miss, before = (
-            abs(centre - lean.centre),
+        error, before = (
+            abs(centre - trial.centre),
             math.inf if best is None else abs(centre - best.centre),
         )
-        if miss <= lean.fineness:
-            return lean
-        low, high = (max(low, tilt), high) if lean.centre < centre else (low, min(high, tilt))
-        if miss <= before:
+        if error <= trial.fineness:
+            return trial
+        low, high = (max(low, tilt), high) if trial.centre < centre else (low, min(high, tilt))
+        if error <= before:
             # Newton's step is tried next if the error was halved, or if the bracket is still
             # infinite. A `rate` that has more than doubled shows that new places have come into
             # contact: then Newton's step with the new rate is tried, too.
             newton = (
-                miss <= 0.5 * before
+                error <= 0.5 * before
                 or high - low == math.inf
-                or (best is not None and lean.rate > 2 * best.rate)
+                or (best is not None and trial.rate > 2 * best.rate)
             )
-            best = lean
+            best = trial
     assert best is not None
     return best

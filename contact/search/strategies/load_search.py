@@ -209,7 +209,7 @@ def by_quantity(
     """
     control, sign = scene.control_object, -1.0 if scene.control_object.falls else 1.0
     tolerance = max(SEARCH.tight_factor * tol, SEARCH.least_error)
-    told = AuthorMethod(f"{control.name}.of(solution)", "control")
+    method = AuthorMethod(f"{control.name}.of(solution)", "control")
     pairs: dict[float, Solution] = {}  # for each load, the solution under a slightly smaller one
 
     def under(load: float, start: Solution | None) -> Solution:
@@ -220,8 +220,8 @@ def by_quantity(
 
     def quantity(solution: Solution) -> tuple[float, float]:
         other = pairs[solution.load]
-        value = told.number(control.of, solution)
-        change = value - told.number(control.of, other)
+        value = method.number(control.of, solution)
+        change = value - method.number(control.of, other)
         return sign * value, sign * change / (solution.load - other.load)
 
     first = (

@@ -55,16 +55,16 @@ class GapGuesses:
         if above.all():
             raise WrongTopology("the mean pressure is below R everywhere", None)
         if above.any():
-            seen = self._runs(above, mean)
+            runs = self._runs(above, mean)
             half = 0.5 * self.period
             apart = np.abs(
-                (seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half
+                (runs.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half
             )
-            unseen = (apart < 2 * self.step).any(axis=1) & (
-                seen[:, 1] - seen[:, 0] < 2 * NARROW * self.step
+            over_kink = (apart < 2 * self.step).any(axis=1) & (
+                runs[:, 1] - runs[:, 0] < 2 * NARROW * self.step
             )
             return united(
-                np.concatenate((self._placed(seen[~unseen], mean), valleys)),
+                np.concatenate((self._placed(runs[~over_kink], mean), valleys)),
                 self.period,
                 True,
                 "gap",
@@ -105,12 +105,12 @@ class GapGuesses:
         half = 2 * self.step * np.sqrt((highest - mean) / bend)
         return np.array([[place - half, place + half]])
 
-    def _placed(self, seen: Array, mean: float) -> Array:
-        """The gaps `seen` on samples; a gap narrower than `NARROW` samples is replaced.
+    def _placed(self, runs: Array, mean: float) -> Array:
+        """The gaps `runs` on samples; a gap narrower than `NARROW` samples is replaced.
         Its replacement lies about the nearby maximum of the relief R.
         """
         out = []
-        for row in seen:
+        for row in runs:
             if row[1] - row[0] < NARROW * self.step:
                 middle = int(round((0.5 * float(row.sum()) - self.x[0]) / self.step)) % len(self.x)
                 found = self._about(*self._top(middle), mean)

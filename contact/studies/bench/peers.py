@@ -155,13 +155,13 @@ def _measured(
     return Row(case.name, peer.name, len(x), seconds, largest, mean, None, None, len(x), True)
 
 
-def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> float | None:
+def time_to(rows: list[Row], error: float, measure: str = "at_x") -> float | None:
     """Least time of the runs that reach an error; None if the run on the finest grid does not.
     The rows go from coarse to fine grids. A run counts only if all runs on finer grids reach the
     error as well.
     """
     reached = None
-    for row in reversed(rows_of_one):
+    for row in reversed(rows):
         if getattr(row, measure) > error:
             break
         reached = row.seconds if reached is None else min(reached, row.seconds)
