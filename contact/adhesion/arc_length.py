@@ -29,7 +29,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
     states at the ends of the steps are solved to full accuracy.
     """
     place, length, stands = _stood_by(curve, here, sense), MOVES.small_part, 0
-    why = "the curve of equilibria was not followed on"
+    why = "the curve of equilibria could not be followed further"
     unstable: tuple[CurvePoint, float] | None = None
     vanishing = False
     for _ in range(LIMITS.max_steps):
@@ -55,13 +55,19 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
             continue
         yield step
         if step.lets_go:
-            why = "an end that was held at a sharp corner has let go"
+            why = (
+                "the curve of equilibria ends: the end of a zone or of an interval of tension has "
+                "left its sharp corner"
+            )
             break
         # Several steps of almost zero length in a row end the curve. Otherwise an end at a sharp
         # corner could be pinned and freed again and again.
         stands = stands + 1 if step.length < ACCURACY.rough else 0
         if stands > ARC_OPTIONS.interpolation_nodes:
-            why = "ends at sharp corners are neither held nor free"
+            why = (
+                "several steps along the curve of equilibria had almost zero length: ends at "
+                "sharp corners may be held and freed again and again"
+            )
             break
         place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
         length = _next_length(step, length)
@@ -113,9 +119,9 @@ class SymmetryLost(NotConverged):
 
     def __init__(self, curve: Curve, place: CurvePoint, length: float, where: str = "") -> None:
         super().__init__(
-            "a contact loses its stability without a turn of its curve, to a motion that breaks a "
-            f"symmetry{where}: it is not followed on, "
-            "since the scene does not say which way it goes"
+            f"the contact becomes unstable{where}: it loses its symmetry, and the scene does not "
+            "determine in which of several ways. Make the profile slightly asymmetric, for "
+            "example one of two equal tips slightly higher"
         )
         self.within = curve, place, length
 
@@ -133,7 +139,7 @@ class SymmetryLost(NotConverged):
             low, high, at = (middle, high, found) if found.growth < 0.0 else (low, middle, at)
         units, where = (
             curve.problem.units,
-            f", at load {at.load * curve.problem.units.load:.10g} N/m",
+            f" at load {at.load * curve.problem.units.load:.10g} N/m",
         )
         if curve.problem.operator.has_approach:
             where += f", approach {-at.level * units.height:.10g} m"

@@ -44,7 +44,9 @@ class Step:
         found = corrected(self.curve, self.start, self._about(length), self.start.tangent, tight)
         if found is None:
             if halvings == 0:
-                raise NotConverged("an equilibrium on the way along a curve was lost")
+                raise NotConverged(
+                    "an equilibrium inside a step along the curve of equilibria was not found"
+                )
             self.at(
                 0.5
                 * (length + min((0.0, self.length, *self.known), key=lambda k: abs(k - length))),

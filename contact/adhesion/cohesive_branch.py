@@ -156,7 +156,10 @@ def _pulled_off(context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve
         nothing = replace(context, scene=context.scene.under(context.scene.control[0], 0.0))
         zones = under_all(nothing, curve.problem)
         if zones is None:
-            raise OutOfRange("the surfaces come apart from full contact") from None
+            raise OutOfRange(
+                "the contact is full at the control value 0: pull-off from full contact is not "
+                "computed"
+            ) from None
         return pull_off_from_all(curve, zones, 0.0)
 
 
@@ -205,10 +208,9 @@ def _advanced_from_touch(
 def _refuse_many(zones: int) -> None:
     if zones > OPTIONS.max_zones:
         raise OutOfRange(
-            f"{zones} zones: under a tension beside the contact they are followed by steps that "
-            "each take a matrix of all that is unknown "
-            f"on them, which is done for {OPTIONS.max_zones} zones at the most: take a coarser "
-            "trace, a part of it, or adhesion without range"
+            f"without adhesion the contact has {zones} zones, but a tension of finite range is "
+            f"solved for at most {OPTIONS.max_zones} zones: use a smoother or shorter profile, or "
+            "JKR instead of Dugdale's law"
         )
 
 
@@ -219,8 +221,9 @@ def _refuse_narrow(context: SolveContext, width: float) -> None:
     if strip < OPTIONS.narrowest_strip * width:
         part = max(strip / width, np.finfo(np.float64).tiny)
         raise NotConverged(
-            f"{TOO_NARROW}. They are {quantity(strip, 'm', 2)} beside {quantity(width, 'm', 2)}: "
-            f"without range the ends of the zone differ by {part:.0e} of it"
+            f"{TOO_NARROW}. The strips are {quantity(strip, 'm', 2)} wide beside a zone of "
+            f"{quantity(width, 'm', 2)}: under JKR's law the ends of the zone differ by "
+            f"{part:.0e} of its width"
         )
 
 
@@ -358,7 +361,8 @@ def _driven_inward_about(curve: CohesiveCurve, here: CohesiveState, value: float
         if driven_inward(curve, middle, half, value):
             return np.array([[middle - half, middle + half]])
     raise OutOfRange(
-        "no interval of tension is so wide that its ends recede: there is no greatest contact"
+        'branch="receding" starts from the largest contact, but none was found: no interval of '
+        'tension was so wide that all its ends recede. Use branch="advancing"'
     )
 
 
@@ -460,7 +464,8 @@ def _solved_zones(
     ) or sie.find_ends(pulled.equation(control), kinds, ACCURACY.rough)
     if not free.converged:
         raise context.error(
-            Failure(f"under the tension that was found {free.reason}", free), pulled
+            Failure(f"the zone ends under the final tension were not found: {free.reason}", free),
+            pulled,
         )
     return CohesiveFields(pulled, free.state), free, control
 

@@ -43,9 +43,9 @@ class SolvedCohesive(SolvedZones):
         if self.cohesive_error < 0.5 * self.error:
             return ""
         return (
-            "the gap at the ends of the tension, known no closer to its reach than heights are "
-            f"rounded, adds {self.cohesive_error:.1e}; "
-            "allow a larger tol, or give a law of less stress and longer reach"
+            "round-off of the heights or of the load under the tension adds "
+            f"{self.cohesive_error:.1e}; "
+            "allow a larger tol, or use a law with a smaller stress and a longer range"
         )
 
 
@@ -58,14 +58,14 @@ def certified_everywhere(
     """
     inside = bool(np.all(sampled_gap(fields)[1] < curve.reach * (1 + TOLERANCES.edge_condition)))
     note = (
-        "the gap is below the reach of the tension everywhere: the frictionless contact, less the "
-        "tension, and as stable"
+        "the gap is below the range of the tension everywhere: the pressure is that of the "
+        "frictionless contact minus the tension, and the contact is as stable"
     )
     return replace(
         plain,
         smallest_pressure=plain.smallest_pressure - curve.stress * curve.problem.units.pressure,
         holds=plain.holds and inside,
-        note=note if inside else "the gap is above the reach",
+        note=note if inside else "the gap exceeds the range of the tension somewhere",
     )
 
 
@@ -82,18 +82,19 @@ def certified(plain: Certificate, curve: CohesiveCurve, here: CohesiveState) -> 
     stability = least_eigenvalue(scaled_second_variation(here))
     failure = _on_wrong_side(curve, here, rounding)
     if not plain.holds:
-        failure = plain.note or "a sign or the balance fails"
+        failure = plain.note or "a sign of pressure or gap is wrong, or the load balance"
     elif reach_error > largest:
-        failure = f"at an end of the tension the gap misses its reach by {reach_error:.1e}"
-    elif not failure and not stability > 0.0:
         failure = (
-            f"not stable under a held {name}: the second variation of the energy is not positive"
+            "at an end of the tension the gap differs from the range of the tension by "
+            f"{reach_error:.1e} of this range"
         )
+    elif not failure and not stability > 0.0:
+        failure = f"unstable at a fixed {name}: the second variation of the energy is not positive"
     note = (
         "one of several equilibria: pressure above minus the tension in contact, no overlap, "
-        "balance, the gap below the reach where "
-        "the tension acts, above it elsewhere and equal to it at its ends, locally stable "
-        f"under a held {name}"
+        "load balance, gap below the range of the tension where "
+        "the tension acts, above it elsewhere and equal to it at the ends of the tension, "
+        f"locally stable at a fixed {name}"
     )
     return replace(
         plain,
@@ -123,7 +124,10 @@ def _on_wrong_side(curve: CohesiveCurve, here: CohesiveState, rounding: float) -
     if not wrong_side.any():
         return ""
     at = quantity(float(curve.problem.units.x(place[wrong_side])[0]), "m", 6)
-    return f"the gap is on the wrong side of the reach of the tension at x = {at}"
+    return (
+        f"at x = {at} the gap is above the range of the tension although the tension acts there, "
+        "or below it although no tension acts there"
+    )
 
 
 def end_error(curve: CohesiveCurve, here: CohesiveState, fields: ZoneFields) -> float:

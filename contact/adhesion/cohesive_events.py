@@ -312,7 +312,7 @@ class CohesiveEvents(Events):
                     found = here if u == 0.0 else along(formal, place, u * part * reach)
                     if not isinstance(found, CohesiveState):
                         raise NotConverged(
-                            "a change of the zones on the way along a curve was not located"
+                            "a change of the zones inside a step of the path was not located"
                         )
                     return found
 

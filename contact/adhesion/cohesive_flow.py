@@ -22,8 +22,8 @@ from contact.formulation.tables import ascending, gaps_between, runs_of
 from sie import Array
 
 TOO_NARROW = (
-    "the tension would act on strips narrower than a millionth of the zones beside them: "
-    "under so large a stress adhesion is without range"
+    "the strips of tension beside the zones are too narrow to be resolved, since the stress of the "
+    "law is so large: use contact.JKR(work)"
 )
 
 
@@ -166,7 +166,9 @@ def _flow(curve: CohesiveCurve, table: Array, value: float, sign: float) -> Cohe
             return here
         if move == 0.0:
             break
-    raise NotConverged("the ends of the tension did not come to rest under a held control")
+    raise NotConverged(
+        "the ends of the intervals of tension did not converge at a fixed value of the control"
+    )
 
 
 def _changed_intervals(curve: CohesiveCurve, here: CohesiveState, sign: float) -> Array | None:
@@ -234,7 +236,9 @@ def settled(curve: CohesiveCurve, here: State, sign: float) -> CohesiveState | N
         if ahead is None:
             return None
         here = ahead
-    raise NotConverged("the intervals of the tension did not settle under a held control")
+    raise NotConverged(
+        "the number of intervals of tension did not converge at a fixed value of the control"
+    )
 
 
 def uncovered(curve: CohesiveCurve, table: Array, value: float, zones: Array) -> Array:

@@ -202,7 +202,7 @@ def touching(curve: CohesiveCurve, table: Array, at: float) -> StateOutline:
         step[free] = np.linalg.solve(rates[np.ix_(free, free)], curve.reach - gap[free])
         table = curve.within(table + np.column_stack((-step[: len(table)], step[len(table) :])))
         if np.any(np.diff(table, axis=1) <= 0.0):
-            raise NotConverged("the place where the surfaces touch last was not found")
+            raise NotConverged("the last point of contact before pull-off was not found")
         if float(np.abs(step).max()) < ACCURACY.density * float(np.diff(table, axis=1).min()):
             break
     load = -TractionLoaded.of(curve.problem, curve.stress, table).pulling.total

@@ -214,7 +214,8 @@ class CohesiveCurve(Curve):
         lo, hi = self.problem.borders
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange(
-                "the tension reaches the border of the part of the profile that is known"
+                "the tension reaches the border of the known part of the profile: give the profile "
+                'over a longer interval (or use branch="advancing")'
             )
         pulled = TractionLoaded.of(self.problem, self.stress, table)
         point = None

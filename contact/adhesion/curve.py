@@ -233,8 +233,8 @@ class State:
         """
         if abs(self.growth) <= ACCURACY.neutral:
             raise NotConverged(
-                "a zone on a level stretch may be anywhere along it, and no one place is that of "
-                "the contact"
+                "the position of a zone is not determined: the zone can move freely, as on a level "
+                "stretch of the profile. Give level stretches a slight curvature"
             )
 
     @cached_property
@@ -285,7 +285,8 @@ class Curve:
         lo, hi = problem.borders
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange(
-                "a contact zone reaches the border of the part of the profile that is known"
+                "a contact zone reaches the border of the known part of the profile: give the "
+                'profile over a longer interval (or use branch="advancing")'
             )
         zones = sie.Zones.of(table, problem.end, problem.end)
         equation, wanted = problem.equation(control), problem.end.intensity

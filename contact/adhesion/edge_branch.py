@@ -75,14 +75,12 @@ def described_way(context: SolveContext) -> str:
     """Text for the plan that says by which path of loading the contact is reached."""
     scene = context.scene
     if context.branch == "receding":
-        return (
-            "lowered from full contact" if _closes(scene) else "lowered from the greatest contact"
-        )
+        return "lowered from full contact" if _closes(scene) else "lowered from the largest contact"
     if scene.control[1] > 0.0:
         assert scene.law.bare is not None
-        return f"raised from the {scene.law.bare.name} contact, which lies within it"
-    return "raised from first touch" + (
-        " to no load, then lowered" if scene.control[1] < 0.0 else ""
+        return f"grown from the smaller zones of the {scene.law.bare.name} contact"
+    return "grown from first touch at the control value 0" + (
+        ", then lowered" if scene.control[1] < 0.0 else ""
     )
 
 
@@ -107,11 +105,11 @@ def closed(context: SolveContext) -> full_contact.Full:
     scene = context.scene
     found = full_contact.closed(context)
     if not context.operator.has_inverse:
-        raise OutOfRange(full_contact.no_inverse(context, "the surfaces close altogether"))
+        raise OutOfRange(full_contact.no_inverse(context, "adhesion closes all gaps"))
     if len(scene.profile.kinks) and np.any(scene.profile.kinks[:, 1] < 0):
         raise OutOfRange(
-            "the surfaces close altogether over valleys with kinks, where the pressure of full "
-            "contact is infinite"
+            "adhesion closes all gaps, but the full contact cannot be solved: its pressure is "
+            "infinite at the kinks of the valleys. Round the valleys, or use less adhesion"
         )
     return found
 
@@ -223,7 +221,10 @@ def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
         if driven_inward(curve, middle, half, value):
             return table
         half *= MOVES.widening
-    raise OutOfRange("no zone is so wide that its ends recede: there is no greatest contact")
+    raise OutOfRange(
+        'branch="receding" starts from the largest contact, but none was found: no zone was so '
+        'wide that all its ends recede. Use branch="advancing"'
+    )
 
 
 def driven_inward(curve: Curve, middle: float, half: float, value: float) -> bool:
@@ -277,4 +278,4 @@ def _held_higher(curve: Curve, table: Array, value: float) -> State:
         if rest is not None:
             return rest
         step *= 2.0
-    raise OutOfRange("the surfaces come apart under any control")
+    raise OutOfRange("the surfaces separate at every value of the control that was tried")

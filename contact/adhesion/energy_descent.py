@@ -49,7 +49,9 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
             return None
         widest = _carried(here.table, widest, changed)
         here = curve.at(changed, value, ACCURACY.rough)
-    raise NotConverged("the ends of zones did not come to rest under a held control")
+    raise NotConverged(
+        "the ends of the zones did not reach a stable equilibrium at a fixed value of the control"
+    )
 
 
 def _changed(curve: Curve, here: State, widest: Array) -> Array | None:
@@ -88,4 +90,4 @@ def _step(curve: Curve, here: State) -> tuple[State, Array]:
         if ahead.residual @ step >= -MOVES.small_drive * (here.residual @ step):
             return ahead, step
         damped *= 4.0
-    raise NotConverged("no step of the ends goes down the slope of the energy")
+    raise NotConverged("no step of the zone ends was found that lowers the energy")

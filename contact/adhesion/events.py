@@ -151,8 +151,8 @@ class Events:
         rest = self.curve.settled(here)
         if not float(np.abs(rest.residual).max()) < ACCURACY.resting_step:
             raise NotConverged(
-                "after a jump ends of zones hold back one another, and do not come to rest: it is "
-                "not followed on"
+                "after a jump the ends of the zones did not reach an equilibrium, so the path "
+                "could not be followed further"
             )
         return PathState(rest.value, rest)
 

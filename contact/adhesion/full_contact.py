@@ -50,7 +50,9 @@ class SnapOptions:
 
 
 _OPTIONS = SnapOptions()
-_SEEN_ON_GRID = "on a coarse grid it ends in full contact, and was not followed to there"
+_SEEN_ON_GRID = (
+    "on a coarse grid the contact grows to full contact; not all zones on the way were computed"
+)
 
 
 def _note(context: SolveContext) -> None:
@@ -87,8 +89,9 @@ def as_not_converged() -> Iterator[None]:
         raise
     except NUMERICAL_ERRORS as failure:
         raise NotConverged(
-            f"a state on the way to the contact could not be solved ({failure}): "
-            "the strips of attraction may be too narrow beside the zones, or the zones too many"
+            f"a contact on the way to the given control could not be solved ({failure}): there "
+            "may be too many zones, or too narrow strips of attraction beside them. Use a smoother "
+            "profile, or JKR instead of Dugdale's law"
         ) from failure
 
 

@@ -88,7 +88,8 @@ def _flow(
         if move == 0.0:
             break
     raise NotConverged(
-        "the ends of zones that grow or shrink under a held control did not come to rest"
+        "the ends of the growing or shrinking zones did not converge at a fixed value of the "
+        "control"
     )
 
 
@@ -183,7 +184,7 @@ def moved_on(curve: Curve, here: State, sign: float) -> tuple[State, float]:
         most = 0.9 if back_again == 0 else 0.5
         limit = _shorter(here, limit, step, np.where(passed, _chord(here, ahead, most), 0.9))
         back_again += 1
-    raise NotConverged("no step of the ends keeps to the branch")
+    raise NotConverged("no step of the ends was found that stays on the branch")
 
 
 def _shorter(here: State, limit: Array, step: Array, by: Array | float) -> Array:
@@ -227,7 +228,7 @@ def _let_go(curve: Curve, here: State, sign: float) -> tuple[State, float]:
             except EndsCovered:
                 pass
         above *= 2.0
-    raise NotConverged("no step of the ends keeps to the branch")
+    raise NotConverged("no step of the ends was found that stays on the branch")
 
 
 def limits(curve: Curve, here: State, sign: float) -> tuple[Array, Array]:

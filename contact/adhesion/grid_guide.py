@@ -145,7 +145,9 @@ class GridGuide(sie.Kept):
                 break
         below = state.gap < limit
         if np.any(~below & (share == 1.0) if sign > 0 else below & (share == 0.0)):
-            raise NotConverged("the ends of the tension are not all driven one way")
+            raise NotConverged(
+                "on the coarse grid some ends of the tension advance while others recede"
+            )
         found = self._table(below, state.gap - limit)
         return GridRest(found, placed(self.problem, zones_of(state, self.x)), state)
 
@@ -188,7 +190,7 @@ class GridGuide(sie.Kept):
             except Closed:
                 pass
             step *= 2.0
-        raise NotConverged("no approach at which the surfaces are apart")
+        raise NotConverged("no approach was found at which the surfaces are separate")
 
     def _contact(self, share: Array, value: float, start: Array | None) -> GridState:
         units, tension = self.problem.units, self.problem.law.tension
@@ -236,7 +238,7 @@ class GridGuide(sie.Kept):
         if not below.any():
             raise ContactLost
         if not self.repeats and (below[0] or below[-1]):
-            raise NotConverged("the tension comes to the border of the window")
+            raise NotConverged("the tension reaches the border of the coarse grid")
         n = self.points
         first, last = np.array(runs_of(below, self.repeats)).T
         before, after = above[(first - 1) % n], above[(last + 1) % n]

@@ -37,7 +37,7 @@ class EndsCovered(NoState):
     """
 
     def __init__(self, ends: Mask) -> None:
-        super().__init__("contact reaches the end of an interval of tension")
+        super().__init__("a zone of contact reaches the end of an interval of tension")
         self.ends = ends
 
 
@@ -93,7 +93,7 @@ def contact_under(
         )
         if len(zones) == 0:
             raise ContactLost
-    raise NotConverged("the zones under a given tension did not settle")
+    raise NotConverged("the zones of contact under the tension did not converge")
 
 
 @record
@@ -166,7 +166,7 @@ class _Search:
                 continue
             zones = _moved(here, zones, moved, reaches)
             zones, first = _joined(zones, first, step)
-        raise NotConverged("the ends of zones under a given tension did not come to rest")
+        raise NotConverged("the ends of the zones under the tension did not converge")
 
     def solved(self, zones: Array) -> tuple[TractionLoaded, sie.State]:
         """(problem, state) on given zones, whose ends need not be in equilibrium."""
@@ -179,7 +179,7 @@ class _Search:
             )
         except sie.SingularSystem as failure:
             raise NotConverged(
-                "zones under a given tension came too near to one another, or to its ends"
+                "zones under the tension came too close to each other or to an end of the tension"
             ) from failure
 
     def searched(self, zones: Array) -> tuple[TractionLoaded, sie.AnyState]:
@@ -205,7 +205,7 @@ class _Search:
                 return (
                     (self.pulled, free.state) if free.converged and within else self.settled(zones)
                 )
-        raise NotConverged("the number of zones under a given tension did not settle")
+        raise NotConverged("the number of zones under the tension did not converge")
 
 
 def _lowest(pulled: TractionLoaded) -> Array:

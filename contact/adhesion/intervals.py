@@ -85,7 +85,10 @@ def below(
         and not np.isfinite(corners[0])
         and (runs[0][0] == 0 or runs[-1][1] == len(x) - 1)
     ):
-        raise OutOfRange("the tension reaches the border of the part of the profile that is known")
+        raise OutOfRange(
+            "the tension reaches the border of the known part of the profile: give the profile "
+            'over a longer interval (or use branch="advancing")'
+        )
 
     def crossing(inner: int, outer: int) -> float:
         way = (reach - gap[inner]) / (gap[outer] - gap[inner]) if np.isfinite(gap[outer]) else 0.0

@@ -49,7 +49,9 @@ class LoadingPath:
             if isinstance(found, PathState):
                 return
             here = found.after
-        raise NotConverged("ever more jumps on a path")
+        raise NotConverged(
+            f"the path has more than {LIMITS.max_steps} events before the next value of the control"
+        )
 
     def _next(
         self, here: PathState, value: float, sense: float
@@ -117,7 +119,7 @@ class LoadingPath:
                 here = last
         except NotConverged as failure:
             return self._ended(failure, here, value, sense)
-        raise NotConverged("the curve of equilibria ended")
+        raise NotConverged("the curve of equilibria ended before the next value of the control")
 
     def _arriving(
         self, step: Step, length: float, last: State, value: float

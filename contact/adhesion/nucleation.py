@@ -35,7 +35,9 @@ def grown(curve: Curve, table: Array, value: float, rest: float = ACCURACY.resti
         if len(new) == 0:
             return here
         table = _driven_outward(curve, here, new)
-    raise NotConverged("ever more zones begin under adhesion")
+    raise NotConverged(
+        f"under adhesion, new zones still appeared after {LIMITS.max_iterations} rounds of growth"
+    )
 
 
 def _driven_outward(curve: Curve, here: State, overlaps: Array) -> Array:

@@ -48,7 +48,9 @@ def pull_off(
         if rest is None:
             return end.exactly()
         here = rest
-    raise NotConverged("ever more zones come apart as the control falls")
+    raise NotConverged(
+        f"pull-off was not found: zones were left after {LIMITS.max_iterations} events"
+    )
 
 
 def lowered_by_load(
@@ -99,7 +101,7 @@ def _end(curve: Curve, here: State, past_cut: Callable[[State], float]) -> _End:
         last = step.at(length, False) if step.turns else step.end.at
         if step.turns or step.lets_go or past_cut(step.start.at) < 0.0 < past_cut(last):
             return _end_in(curve, step, length, last, past_cut)
-    raise NotConverged("the curve of equilibria ended")
+    raise NotConverged("pull-off was not found: the curve of equilibria was lost")
 
 
 def _end_in(
@@ -150,4 +152,6 @@ def _bracket(curve: Curve, here: State, recede: Recede) -> tuple[State, float]:
         if rest is None:
             return here, here.value - step
         here, step = rest, 2.0 * step
-    raise NotConverged("the surfaces do not come apart as the control falls")
+    raise NotConverged(
+        "pull-off was not found: contact is left at every value of the control that was tried"
+    )

@@ -21,8 +21,11 @@ def separated_solution(
 ) -> Solution:
     """The certified solution at an equilibrium without contact."""
     for name in ("zone ends", "coarse search"):
-        plan[name].used, plan[name].reason = False, "the surfaces pull without touching"
-    plan.decide("unknowns", "none", "the surfaces pull without touching")
+        plan[name].used, plan[name].reason = (
+            False,
+            "the surfaces attract each other without contact",
+        )
+    plan.decide("unknowns", "none", "the surfaces attract each other without contact")
     ends, least = len(here.table) > 0, float(here.gap_samples[1].min())
     residual = float(np.abs(here.residual).max(initial=0.0))
     stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
@@ -33,7 +36,7 @@ def separated_solution(
         smallest_gap=least * fields.problem.units.height,
         points=len(here.gap_samples[0]),
         holds=holds,
-        note="the surfaces pull at each other without touching",
+        note="the surfaces attract each other without contact",
         intensity=residual,
         stability=stability,
     )

@@ -240,7 +240,9 @@ class Spot(sie.Kept):
         r = np.abs(finite_array("r", r, None))
         if np.any(r > self.reach):
             raise SceneError.of(
-                "r", float(np.max(r)), f"at most {self.reach:.17g}: there the neighbours begin"
+                "r",
+                float(np.max(r)),
+                f"at most {self.reach:.17g}, the radius at which the neighbours begin",
             )
         return _where(r > self.radius, r, self._gap)
 
@@ -281,8 +283,8 @@ class Spot(sie.Kept):
         least = float(np.min(self.pressure(self.radius * np.cos(angle))))
         if least < -ROUND_OFF * self.mean_pressure:
             raise OutOfRange(
-                "contact is not a full circle: "
-                f"the pressure would fall to {quantity(least, 'Pa', 6)} in the spot"
+                "contact is not a full circle: inside the circle the pressure would be negative, "
+                f"down to {quantity(least, 'Pa', 6)}"
             )
         # The gap is checked from the edge of this spot halfway to the edge of the nearest spot. The
         # checks of the neighbouring spots cover the other half.
@@ -292,7 +294,7 @@ class Spot(sie.Kept):
         if np.min(gap) < -ROUND_OFF * float(np.max(np.abs(self.profile.height(r)))):
             at = int(np.argmin(gap))
             raise OutOfRange(
-                "contact is not one circle: the surfaces would meet again at "
+                "contact is not one circle: outside the circle the surfaces would meet again at "
                 f"r = {quantity(float(r[at]), 'm', 6)}"
             )
 

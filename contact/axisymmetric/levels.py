@@ -373,7 +373,7 @@ def _system(
     """
     levels = list(levels)
     if not levels or not all(isinstance(level, Level) for level in levels):
-        raise SceneError.of("levels", levels, "a sequence of one Level or more")
+        raise SceneError.of("levels", levels, "a sequence of at least one Level")
     if min(level.depth for level in levels) != 0.0:
         raise SceneError.of(
             "depth", min(level.depth for level in levels), "0 for the highest level"
@@ -386,15 +386,18 @@ def _system(
     if lattice is None:
         if sites:
             raise SceneError(
-                "a level has sites but no lattice is given: give the lattice, or its density"
+                "a level has sites, but no lattice is given: give the lattice, or give the level a "
+                "density instead of sites"
             )
         return _kinds(levels, densities), kept
     if not isinstance(lattice, Lattice):
         raise SceneError.of(
-            "lattice", lattice, "a lattice, or None where the levels have densities"
+            "lattice", lattice, "a lattice with sites, or None if the levels have densities"
         )
     if densities:
-        raise SceneError("a lattice is given but a level has only a density: give its sites")
+        raise SceneError(
+            "a lattice is given, but a level has a density instead of sites: give the level's sites"
+        )
     around = []
     for own in sites:
         views = [
@@ -441,13 +444,14 @@ def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
         for mine, first in zip(row, rows[0], strict=True):
             if mine.size != first.size or not np.allclose(mine, first, rtol=0, atol=1e-8):
                 raise SceneError(
-                    "the sites of a level see different surroundings: make them levels of their own"
+                    "the sites of one level have neighbours at different distances: put these "
+                    "sites into separate levels"
                 )
 
 
 def _sites(value: Any) -> tuple[Site, ...]:
     """The sites as pairs of fractions; SceneError if two sites are the same point of the cell."""
-    allowed = "one pair or more of finite numbers, in fractions of the unit vectors"
+    allowed = "one or more pairs of finite numbers, in fractions of the lattice's unit vectors"
     if isinstance(value, str) or not isinstance(value, (Sequence, np.ndarray)) or len(value) == 0:
         raise SceneError.of("sites", value, allowed)
     sites = []
@@ -458,5 +462,10 @@ def _sites(value: Any) -> tuple[Site, ...]:
     folded = np.array(sites)[:, None] - np.array(sites)
     apart = np.max(np.abs(folded - np.round(folded)), axis=-1) + np.eye(len(sites))
     if np.min(apart) < 1e-9:
-        raise SceneError.of("sites", value, "different points of the cell")
+        raise SceneError.of(
+            "sites",
+            value,
+            "pairs for different points of the cell (pairs that differ by whole numbers are one "
+            "point)",
+        )
     return tuple(sites)

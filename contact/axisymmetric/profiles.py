@@ -426,13 +426,14 @@ class Revolved(AxisymmetricProfile):
         ]
         for field in given:
             if not callable(getattr(self, field)):
-                raise SceneError.of(field, getattr(self, field), "a callable of r, or left out")
+                raise SceneError.of(field, getattr(self, field), "a function of r, or left out")
         if self.height_of is None and self.slope_of is None:
             raise SceneError("height_of and slope_of are both left out: one of them must be given")
         breaks = tuple(sorted(positive("breaks", b) for b in self.breaks))
         if breaks and (self.slope_of is None or self.second is None):
             raise SceneError(
-                "breaks need slope_of and second: a difference across an edge is not a derivative"
+                "breaks need both slope_of and second: derivatives cannot be computed from "
+                "differences across an edge"
             )
         object.__setattr__(self, "breaks", breaks)
         for field in given:
@@ -447,7 +448,7 @@ class Revolved(AxisymmetricProfile):
             raise SceneError.of(
                 field,
                 getattr(self, field),
-                "a function of an array that returns as many real numbers",
+                "a function that returns one real number for each radius of an array",
             )
         return np.broadcast_to(value, r.shape).astype(np.float64)
 
@@ -491,4 +492,4 @@ def as_profile(shape: Any) -> AxisymmetricProfile:
         return shape
     if callable(shape):
         return Revolved(height_of=shape)
-    raise SceneError.of("profile", shape, "an axisymmetric profile or a callable f(r)")
+    raise SceneError.of("profile", shape, "an axisymmetric profile or a function f(r)")

@@ -112,7 +112,8 @@ def solve_spot(
     if name == "spot_radius":
         if not value < limit:
             raise OutOfRange(
-                f"spot_radius = {value:.6g} m is out of range: it must be below {limit:.6g} m"
+                f"spot_radius = {value:.6g} m is out of range: it must be below {limit:.6g} m, "
+                "to leave room for the neighbouring spots"
             )
         states: Iterable[State] = (
             Linear(kinds, np.array([value]), n).solve(closed_edge(0)) for n in NODES
@@ -203,7 +204,10 @@ def first_step_load(profile: Any, E_star: float, density: float, spot_radius: fl
     A = own_radius(positive("density", density))
     a = positive("spot_radius", spot_radius)
     if not a < A:
-        raise OutOfRange(f"spot_radius = {a:.6g} m is out of range: it must be below A = {A:.6g} m")
+        raise OutOfRange(
+            f"spot_radius = {a:.6g} m is out of range: it must be below A = {A:.6g} m, the radius "
+            "of a circle with the area per spot"
+        )
     shape: AxisymmetricProfile = as_profile(profile)
     return positive("E_star", E_star) * shape.load_integral(a) / (1.0 - correction_share(a / A))
 
@@ -227,7 +231,9 @@ def ring_count(rings: Any, place: Lattice | Density | None) -> float:
     """
     count: float = inf if isinstance(rings, float) and rings == inf else integer("rings", rings)
     if count > 0 and not isinstance(place, Lattice):
-        raise SceneError.of("rings", rings, "0 where no lattice says where the neighbours stand")
+        raise SceneError.of(
+            "rings", rings, "0 without a lattice, which gives the positions of the neighbours"
+        )
     return count
 
 
@@ -293,7 +299,10 @@ def refined(
         spots = spots_of(state)
         for spot in spots:
             if not spot.load > 0:
-                raise OutOfRange(f"a spot of radius {spot.radius:.6g} m would carry no load there")
+                raise OutOfRange(
+                    "no contact has the given control value: a spot of radius "
+                    f"{spot.radius:.6g} m would carry a negative load or none"
+                )
         if not any(spot.surface.sources for spot in spots):
             trace.append(0.0)  # the first step of the localization is in closed form
         else:
@@ -302,7 +311,10 @@ def refined(
             return [_stated(spot, trace, tol) for spot in spots]
         last = spots
     raise NotConverged(
-        f"{NODES[-1]} nodes leave a change of {trace[-1]:.2e}, above tol = {tol:.2e}", trace, last
+        f"with {NODES[-1]} nodes per spot the solution still changes by {trace[-1]:.2e}, "
+        f"above tol = {tol:.2e}",
+        trace,
+        last,
     )
 
 
@@ -342,18 +354,23 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
     spot = replace(spot, error=error)
     if error > tol and error == derived:
         raise NotConverged(
-            f"rounding of the heights leaves the pressure an error of {error:.2e}, above "
-            f"tol = {tol:.2e}: give slope_of, a height that takes complex numbers or is exact near "
-            "the tip (2 sinh(r/2)^2, not cosh(r) - 1), or a larger tol",
+            f"rounding of the heights causes an error of {error:.2e} in the pressure, above "
+            f"tol = {tol:.2e}: give slope_of, or a height function that accepts complex numbers or "
+            "has no cancellation near the tip (2 sinh(r/2)^2, not cosh(r) - 1), or a larger tol",
             trace,
             spot,
         )
     if error > tol:
         why = (
-            "the profile's derivatives are not that good" if trace[-1] < error else "too few nodes"
+            "the profile's derivatives may be inaccurate, or tol may be too small for round-off"
+            if trace[-1] < error
+            else "too few nodes"
         )
         raise NotConverged(
-            f"load and pressure balance to {error:.2e} only, tol = {tol:.2e}: {why}", trace, spot
+            "the error of the balance of load and pressure, or the round-off, is "
+            f"{error:.2e}, above tol = {tol:.2e}: {why}",
+            trace,
+            spot,
         )
     return spot
 
@@ -378,9 +395,10 @@ def first_radius(
         new = growing(a * ratio)
         if not np.isfinite(new) or new < last * (1.0 - 1e-9):
             raise OutOfRange(
-                f"no spot carries this: what it carries falls beyond a radius of {a:.6g} m"
+                "no spot has the given load or approach: the load or approach of a spot falls "
+                f"beyond a radius of {a:.6g} m"
             )
         if new >= target:
             return root(lambda radius: float(growing(radius)) - target, a, a * ratio)
         a, last = a * ratio, new
-    raise OutOfRange("no spot of any size carries this load")
+    raise OutOfRange("no spot of any radius has the given load or approach")

@@ -340,10 +340,13 @@ def solve_radii(kinds: Sequence[Kind], start: Array, condition: Condition, n: in
         # so that the kernel's square root of the room has lost half of its digits.
         if room(kinds, radii) < sqrt(EPS):
             raise OutOfRange(
-                "out of range: the spots would grow into their neighbours before this is reached"
+                "the control value is out of range: the spots would merge with their neighbours "
+                "before it is reached"
             )
     raise NotConverged(
-        f"the radii have not settled in {_OPTIONS.max_steps} steps (last {trace[-1]:.2e})", trace
+        f"the radii of the spots did not converge in {_OPTIONS.max_steps} steps (relative size of "
+        f"the last step: {trace[-1]:.2e})",
+        trace,
     )
 
 

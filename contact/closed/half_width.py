@@ -124,7 +124,10 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
     if len(falls):
         value[falls[0] + 1 :] = -np.inf
     if value.max() == -np.inf:
-        raise OutOfRange("the profile is not finite where the first contact is looked for")
+        raise OutOfRange(
+            "no zone that was tried as a first guess has a finite load or approach: check that the "
+            "heights of the profile are finite"
+        )
     return np.asarray(value)
 
 

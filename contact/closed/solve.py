@@ -42,7 +42,7 @@ from contact.verify.law_checks import has_checks, held_to_law
 # form. The search solves for the gap and so keeps the digits of the gap's width. The choice is
 # uncritical: results for limits from 0.9 to 0.999 differ in those digits only.
 WIDEST = 0.95
-_NOTE = "one zone: the signs of its series, inside and outside"
+_NOTE = "one zone: the signs of pressure and gap follow from its series"
 
 
 def one_zone_problem(scene: Scene) -> OneZoneProblem | None:
@@ -105,10 +105,17 @@ def _refusal(law: Law, E_star: float) -> str:
     if law.routes.module is not None:
         return f"the law {law.name} is solved by {law.routes.module}"
     if not law.equilibria.unique:
-        return f"under the law {law.name} right signs do not make a contact the only one"
+        return (
+            f"under the law {law.name} correct signs of pressure and gap do not prove that the "
+            "contact is unique"
+        )
     if law.pressure_range.has_tension or law.intensity(E_star) != 0.0:
-        return f"the closed form has no tension, which the law {law.name} has"
-    return f"the law {law.name} has checks of its own" if has_checks(law) else ""
+        return f"the closed form has no tension, but the law {law.name} has"
+    return (
+        f"the law {law.name} requires more than the right signs of pressure and gap"
+        if has_checks(law)
+        else ""
+    )
 
 
 def _is_half_plane(scene: Scene) -> bool:
@@ -225,7 +232,7 @@ def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
     given = scene.held(Quantity.HALF_WIDTH) is not None or zone.problem.corner is not None
     for part in told.parts:
         if part.name == "coarse search":
-            part.used, part.reason = False, "one zone of a line, without a coupled system"
+            part.used, part.reason = False, "the closed form of one zone needs no coarse search"
         elif part.name == "zone ends":
             steps = counted(zone.steps, "Newton step")
             steps += f" in one series of {counted(zone.nodes, 'node')}"
@@ -238,7 +245,7 @@ def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
         elif part.name == "symmetry":
             part.used = True
         elif part.name == "certificate":
-            part.detail = "by the signs of the series"
+            part.detail = "from the signs of the series"
     told.counts.update(
         zones=1,
         own_modes=zone.nodes,

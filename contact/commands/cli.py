@@ -55,7 +55,9 @@ from contact.sweeps.compare_plot import plot_comparison
 @click.command("explore")
 @click.argument("scene", type=click.Path(path_type=Path), required=False)
 @click.option(
-    "--port", type=click.IntRange(1, 65535), help="Of the page; one that is free if left out."
+    "--port",
+    type=click.IntRange(1, 65535),
+    help="Port of the page; by default a free port is used.",
 )
 @click.option("--show/--no-show", default=True, help="Open a browser.")
 @TOL
@@ -139,15 +141,15 @@ def _say_version(context: click.Context, _: click.Parameter, asked: bool) -> Non
     is_eager=True,
     expose_value=False,
     callback=_say_version,
-    help="Show the version, and whether another package takes the name.",
+    help="Show the version, and whether another package is also imported as `contact`.",
 )
 @click.pass_context
 def main(context: click.Context) -> None:
     """Exact elastic contact of rough and wavy bodies, from scene files in TOML. If SCENE is -, the
     scene is read from standard input.
 
-    Exit status: 0 solved; 1 the reader of a pipe left; 2 bad input or out of range; 3 not
-    converged; 130 interrupted.
+    Exit status: 0 solved; 1 the reader of the output closed its pipe; 2 bad input or out of range;
+    3 not converged; 130 interrupted.
     """
     if warning := other_package():
         click.echo(f"contact: warning: {warning}", err=True)
@@ -158,16 +160,17 @@ def main(context: click.Context) -> None:
 @main.command("solve")
 @SCENE
 @AS_JSON
-@save_option("Write zones and fields as netCDF, or OUT.json.")
+@save_option("Write zones and fields as netCDF (OUT.nc) or JSON (OUT.json).")
 @csv_option("Write the zones as CSV.")
 @csv_option("Write pressure and gap over x as CSV.", "--fields", "fields")
-@plot_option("Draw the surfaces, p.")
+@plot_option("Draw the surfaces and the pressure.")
 @click.option(
     "--branch",
     type=click.Choice(("advancing", "receding")),
     default="advancing",
     show_default=True,
-    help="Of several equilibria under adhesion: by raising, or by lowering the control.",
+    help="Under adhesion, take the contact reached by raising the control (advancing) or by "
+    "lowering it (receding).",
 )
 @OVERWRITE
 @QUIET
@@ -200,12 +203,14 @@ def solve_command(
 
 @main.command("plan")
 @SCENE
-@click.option("--solve", "run", is_flag=True, help="Solve it, and say what each part took.")
+@click.option(
+    "--solve", "run", is_flag=True, help="Solve the scene, and show the time of each part."
+)
 @TOL
 def plan_command(scene: Path, run: bool, tol: float) -> None:
     """Show which parts of the solver a SCENE needs and which it does not, without solving it.
 
-    With --solve also the sizes, and where the time went.
+    With --solve, the scene is solved; sizes and the time of each part are shown too.
     """
     problem = scene_of(scene)
     if not run:
@@ -223,7 +228,7 @@ def plan_command(scene: Path, run: bool, tol: float) -> None:
     show_table(
         "sizes",
         ("what", "number"),
-        [*sizes, ("time in all", quantity(done.seconds, "s", 3))],
+        [*sizes, ("total time", quantity(done.seconds, "s", 3))],
         numeric=(1,),
     )
 
@@ -286,7 +291,7 @@ main.add_command(explore_command)
     type=click.Path(path_type=Path),
     default=Path("figures"),
     show_default=True,
-    help="Folder, made.",
+    help="Folder for figures and CSV files; it is made if it does not exist.",
 )
 def figures_command(numbers: tuple[str, ...], out: Path) -> None:
     """Draw figures N of the paper (2A 2B 7 8 9 10 11 12 13; all if none is named), and write the
@@ -304,7 +309,9 @@ def figures_command(numbers: tuple[str, ...], out: Path) -> None:
 
 
 @main.command("bench")
-@click.option("--quick", is_flag=True, help="Fewer and smaller scenes: about a minute.")
+@click.option(
+    "--quick", is_flag=True, help="Run fewer and smaller scenes; this takes about a minute."
+)
 @click.option(
     "--peers",
     is_flag=True,
@@ -314,7 +321,7 @@ def figures_command(numbers: tuple[str, ...], out: Path) -> None:
     "--out",
     type=click.Path(path_type=Path),
     required=True,
-    help="Folder for tables, CSV and figures, made.",
+    help="Folder for tables, CSV files and figures; it is made if it does not exist.",
 )
 def bench_command(quick: bool, peers: bool, out: Path) -> None:
     """Measure error against run time, and cost against problem size; see docs/benchmarks."""
@@ -329,9 +336,13 @@ def bench_command(quick: bool, peers: bool, out: Path) -> None:
 
 
 @main.command("stability")
-@click.option("--quick", is_flag=True, help="Without the scenes that take more than a few seconds.")
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="Folder for the table and a CSV, made."
+    "--quick", is_flag=True, help="Leave out scenes that take more than a few seconds each."
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder for tables and a CSV file; it is made if it does not exist.",
 )
 def stability_command(quick: bool, out: Path | None) -> None:
     """Solve stiff and extreme scenes, and compare each error with the error that the scene's
@@ -346,7 +357,7 @@ def stability_command(quick: bool, out: Path | None) -> None:
         found, failed = suites.extremes(out, quick, progress)
     show_table(found.title, found.columns, found.rows)
     if failed:
-        raise NotConverged(f"{failed} of {len(found.rows)} scenes fail")
+        raise NotConverged(f"{failed} of {len(found.rows)} scenes fail unexpectedly")
 
 
 def _listed(
@@ -354,7 +365,7 @@ def _listed(
 ) -> None:
     """Add the command `kind`, which lists the names of this kind that a scene file can use."""
 
-    @main.command(kind, help=f"List the {what} a scene file can name.")
+    @main.command(kind, help=f"List the {what} that a scene file can use.")
     def list_command() -> None:
         describe = _parameters if second == "parameters" else attrgetter(second)
         rows = [
@@ -382,7 +393,9 @@ def _show_solution(solution: Solution, seconds: float, zones_shown: int = 20) ->
     if columns := report.zone_columns(solution, zones_shown):
         show_columns("zones", columns, close=True)
     if (more := len(solution.zones) - zones_shown) > 0:
-        click.echo(f"the {zones_shown} widest zones; --csv writes {more} more")
+        click.echo(
+            f"only the {zones_shown} widest zones are shown; --csv also writes the other {more}"
+        )
 
 
 def _parameters(cls: Any) -> str:

@@ -31,7 +31,7 @@ from sie import Array
 
 SCENE = click.argument("scene", type=click.Path(path_type=Path))
 QUIET = click.option(
-    "-q", "--quiet", is_flag=True, help="Print no tables and no progress, only what goes wrong."
+    "-q", "--quiet", is_flag=True, help="Print only errors and warnings, no tables or progress."
 )
 TOL = click.option(
     "--tol", type=float, default=1e-8, show_default=True, help="Largest relative error."
@@ -98,7 +98,7 @@ Write = Callable[[Any, Path, bool], Any]
 OVERWRITE = click.option(
     "--overwrite",
     is_flag=True,
-    help="Write over files of numbers that are there; pictures are drawn anew.",
+    help="Replace existing files of numbers; existing pictures are always replaced.",
 )
 
 
@@ -113,9 +113,13 @@ def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = F
     if not path.parent.is_dir():
         raise SceneError.of(option, str(path), "in a folder that exists")
     if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise SceneError.of(option, str(path), "a file that may be written")
+        raise SceneError.of(
+            option, str(path), "a file, not a folder, that you have the permission to write"
+        )
     if path.exists() and not overwrite:
-        raise SceneError.of(option, str(path), "a file that is not there yet, or --overwrite given")
+        raise SceneError.of(
+            option, str(path), "a file that does not exist yet; --overwrite replaces existing files"
+        )
 
 
 class Outputs:
@@ -136,7 +140,7 @@ class Outputs:
         if path is None:
             return
         if path in self._writers:
-            raise SceneError.of(option, str(path), "another file than the other options name")
+            raise SceneError.of(option, str(path), "a different file from those of other options")
         checked(option, path, writers, self._overwrite)
         if path.suffix.lower() == ".nc":
             for needed in ("xarray", "h5netcdf", "h5py"):
@@ -191,10 +195,10 @@ def values_of(option: str, text: str) -> Array:
     except ValueError:
         values = np.zeros(0)
     if not values.size or not np.isfinite(values).all():
-        count = f"N a whole number from 2 to {_MAX_VALUES}"
+        count = f"N is a whole number from 2 to {_MAX_VALUES}"
         allowed = (
-            f"A:B:N or A:B:N:log, such as 1e3:1e6:20:log ({count}; with log A and B above 0), "
-            "or numbers with commas between"
+            f"A:B:N or A:B:N:log, such as 1e3:1e6:20:log ({count}; A and B differ; with log, A and "
+            "B are above 0), or numbers separated by commas"
         )
         raise SceneError.of(option, text, allowed)
     return values

@@ -37,32 +37,34 @@ _OPTIONS = {"load": "loads", "mean_pressure": "pressures", "approach": "approach
 @click.option(
     "--loads",
     metavar="A:B:N[:log]",
-    help="Loads [N/m], per period: N from A to B, or with commas between.",
+    help="Loads [N/m], per period if there is one: N values from A to B, or numbers separated by "
+    "commas.",
 )
-@click.option("--pressures", metavar="A:B:N[:log]", help="Mean pressures [Pa], in place of loads.")
+@click.option("--pressures", metavar="A:B:N[:log]", help="Mean pressures [Pa] instead of loads.")
 @click.option(
     "--approaches",
     metavar="A:B:N[:log]",
-    help="Approaches [m], in place of loads, of surfaces that adhere.",
+    help="Approaches [m] instead of loads, for surfaces with adhesion.",
 )
 @click.option(
     "--stiffness",
     type=float,
     metavar="K",
-    help="Of a spring whose far end the approaches are [N/m^2].",
+    help="Stiffness [N/m^2] of a spring; the approaches are then those of its far end.",
 )
-@click.option("--back", is_flag=True, help="The same values back again.")
+@click.option("--back", is_flag=True, help="Return through the same values.")
 @click.option(
     "--no-events",
     is_flag=True,
-    help="Do not look for where zones come, go and merge: much quicker where there are many.",
+    help="Do not search for the loads at which zones appear, vanish or merge; much faster if there "
+    "are many zones.",
 )
 @click.option(
     "--workers",
     type=int,
     default=1,
     metavar="N",
-    help="With --no-events: processes that solve.",
+    help="Number of parallel processes; more than 1 only with --no-events.",
     show_default=True,
 )
 @csv_option("Write a row for each load.")
@@ -106,11 +108,11 @@ def path_command(
         raise SceneError.of(
             "--no-events",
             True,
-            f"left out: under {problem.law.name} it matters which way the values go",
+            f"left out: under the law {problem.law.name} the contact depends on the loading path",
         )
     if workers != 1 and not no_events:
         raise SceneError.of(
-            "--workers", workers, "given with --no-events: events are followed from one to the next"
+            "--workers", workers, "1 without --no-events, since events are found one after another"
         )
     outputs = Outputs(overwrite)
     outputs.add(
@@ -168,9 +170,9 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
     if len(names) != 1:
         if names:
             together = " and ".join(f"--{name}" for name in names)
-            raise SceneError(f"{together} are given together: give one of them", names[0])
+            raise SceneError(f"{together} are given together: give only one of them", names[0])
         others = ", ".join(f"--{name}" for name in given if name != "loads")
-        raise SceneError(f"--loads is missing, or one of {others}", "loads")
+        raise SceneError(f"--loads is missing: give --loads or one of {others}", "loads")
     text = given[names[0]] or ""
     values = values_of(f"--{names[0]}", text)
     if not scene.law.pressure_range.has_tension:

@@ -37,10 +37,10 @@ _ROLLING = "contact.slip.rolling"
 @click.command("slip")
 @SCENE
 @AS_JSON
-@save_option("Write zones and fields as netCDF, or OUT.json.")
-@csv_option("Write what sticks and what slips as CSV.")
+@save_option("Write zones and fields as netCDF (OUT.nc) or JSON (OUT.json).")
+@csv_option("Write the stick and slip zones as CSV.")
 @csv_option("Write pressure and shear over x as CSV.", "--fields", "fields")
-@plot_option("Draw the shear and what sticks.")
+@plot_option("Draw the shear, and the stick and slip zones.")
 @OVERWRITE
 @QUIET
 @TOL
@@ -91,6 +91,8 @@ def _show(slip: Any, seconds: float, rows_shown: int = 20) -> None:
     rows = [*report.numbers(slip), ("time", quantity(seconds, "s", 3), "")]
     show_table(report.heading(slip), report.HEADS, rows, numeric=(1, 2))
     if columns := report.zone_columns(slip, rows_shown):
-        show_columns("zones that stick and slip", columns, words=(0,))
+        show_columns("stick and slip zones", columns, words=(0,))
     if (more := len(slip.stick_zones) + len(slip.slip_zones) - rows_shown) > 0:
-        click.echo(f"the {rows_shown} widest zones; --csv writes {more} more")
+        click.echo(
+            f"only the {rows_shown} widest zones are shown; --csv also writes the other {more}"
+        )

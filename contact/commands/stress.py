@@ -32,7 +32,8 @@ from contact.solver import solve
 @click.option(
     "--strength",
     type=float,
-    help="Yield strength [Pa], in tension for mises, in shear for tresca: find first yield.",
+    help="Yield strength [Pa] (in tension for mises, in shear for tresca); the load at first yield "
+    "is then computed.",
 )
 @click.option("--criterion", type=click.Choice(CRITERIA), default="mises", show_default=True)
 @click.option(
@@ -40,17 +41,22 @@ from contact.solver import solve
     type=click.Choice(LATERAL),
     default="as loaded",
     show_default=True,
-    help="How a periodic body is held along its surface.",
+    help="Sides of a periodic body: under the mean pressure (as loaded), free to move (free), or "
+    "held by rigid walls (confined).",
 )
 @AS_JSON
-@save_option("Write the stresses over x and depth as netCDF, or the numbers as OUT.json.")
+@save_option(
+    "Write the stresses over x and depth as netCDF (OUT.nc), or the largest stresses as JSON "
+    "(OUT.json)."
+)
 @plot_option("Draw the stresses.")
 @click.option(
     "--show",
     type=click.Choice(SHOWN),
     default="shear",
     show_default=True,
-    help="What is drawn: contours of the largest shear or von Mises stress, or fringes.",
+    help="Draw contours of the largest shear stress (shear) or of the von Mises stress (mises), or "
+    "photoelastic fringes (fringes).",
 )
 @OVERWRITE
 @QUIET
@@ -91,7 +97,7 @@ def _show(report: StressReport) -> None:
     if found is not None:
         load = with_error(found.load, found.error * found.load, "N/m")
         rows += [("first yield at the load", *load), *_place(found.x, found.y)]
-        rows += [("  since there is", found.note, "")] if found.note else []
+        rows += [("  because of", found.note, "")] if found.note else []
     if report.not_found:
         rows += [("first yield", "not found", "-"), ("  because", report.not_found, "")]
     show_table("stresses in body 1", HEADS, rows, numeric=(1, 2))

@@ -43,15 +43,15 @@ _FIGURE = "contact.sweeps.sweep.figure"
     multiple=True,
     required=True,
     metavar="KEY=A:B:N[:log]",
-    help="Values of TABLE.KEY of the scene: N from A to B, or with commas between. "
-    "May be given again, for other keys.",
+    help="Values of a key TABLE.KEY of the scene: N values from A to B, or values separated by "
+    "commas. Repeat the option for other keys.",
 )
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     required=True,
     metavar="OUT.nc",
-    help="The table; gone on with if it is there.",
+    help="File of the results; an existing file is completed.",
 )
 @click.option(
     "--scheduler",
@@ -62,27 +62,27 @@ _FIGURE = "contact.sweeps.sweep.figure"
     "--workers",
     type=int,
     metavar="N",
-    help="Processes of this machine; as many as processors if left out.",
+    help="Number of processes on this machine; by default one for each processor.",
 )
-@click.option("--retry", is_flag=True, help="Try again what failed, as OUT.nc says.")
+@click.option("--retry", is_flag=True, help="Solve the failed points in OUT.nc again.")
 @click.option(
     "--branch",
     type=click.Choice(BRANCHES),
     default=BRANCHES[0],
     show_default=True,
-    help="Of several equilibria under adhesion: by raising, or by lowering the control. "
-    "--vary branch=advancing,receding: both.",
+    help="Under adhesion, take the contact reached by raising the control (advancing) or by "
+    "lowering it (receding). --vary branch=advancing,receding takes both.",
 )
-@plot_option("Draw numbers over one key, a line for each value of another.")
+@plot_option("Draw results against one key, with a line for each value of a second key.")
 @click.option(
     "--show",
     "shown",
     multiple=True,
     type=click.Choice(tuple(NUMBERS)),
-    help="A number that is drawn; may be given again.  [default: max_pressure and contact_fraction "
-    "or total_width]",
+    help="Result to draw; repeat the option for others.  [default: max_pressure and "
+    "contact_fraction or total_width]",
 )
-@click.option("--overwrite", is_flag=True, help="Write over OUT.nc, and solve all anew.")
+@click.option("--overwrite", is_flag=True, help="Replace OUT.nc, and solve all points again.")
 @QUIET
 @TOL
 def sweep_command(
@@ -117,7 +117,7 @@ def sweep_command(
         raise SceneError.of("--show", ", ".join(shown), "left out without --plot")
     if scheduler is not None and workers is not None:
         raise SceneError.of(
-            "--workers", workers, "left out with --scheduler, which has workers of its own"
+            "--workers", workers, "left out with --scheduler, which has its own workers"
         )
     if not quiet:
         show_profile(problem.profile)
@@ -153,7 +153,7 @@ def _over(varied: Sequence[str]) -> dict[str, Any]:
                 "--vary", text, "KEY=VALUES, such as control.mean_pressure=1e6:1e8:20:log"
             )
         if key in over:
-            raise SceneError.of("--vary", text, f"a key that is not given yet: {key} is")
+            raise SceneError.of("--vary", text, f"given once for each key: {key} is given twice")
         words = values.split(",")
         over[key] = (
             words if all(_is_word(word) for word in words) else values_of(f"--vary {key}", values)
@@ -216,4 +216,4 @@ def _stop_where_nothing_is_solved(table: Any) -> None:
     kind = (
         NotConverged if any(reason.startswith("NotConverged") for reason in reasons) else OutOfRange
     )
-    raise kind(f"no point is solved: {reasons[0]}")
+    raise kind(f"all points failed; the first one: {reasons[0]}")

@@ -62,23 +62,31 @@ def _line(text: str) -> Any:
 # the help, and its description.
 KEYS: dict[str, tuple[Callable[[str], Any], str, str]] = {
     "columns": (_list, "X,Z", "Columns of positions and heights: numbers from 0, or names."),
-    "units": (_one_or_two, "U[,U]", "Unit of the file, or two: of positions, of heights."),
-    "pitch": (_number, "M", "Distance of the points [m], of a file of heights alone."),
+    "units": (_one_or_two, "U[,U]", "Unit of the file, or two units: of positions, of heights."),
+    "pitch": (_number, "M", "Distance between points [m], for a file of heights only."),
     "decimal": (str, "MARK", "Decimal mark: . or ,"),
-    "delimiter": (str, "MARK", "Between columns: ; , tab or blank."),
-    "channel": (_number, "NAME|N", "Channel of an instrument's file."),
-    "line": (_line, "N|X,Y,X,Y", "Line of a map: its number, or from a point to a point [m]."),
-    "along": (str, "x|y", "Direction of a numbered line."),
-    "missing": (str, "MARK", "What stands in the file for a missing height."),
-    "fill": (str, "linear|drop", "What is done where a height is missing."),
+    "delimiter": (str, "MARK", "Delimiter between columns: ; , tab or blank."),
+    "channel": (_number, "NAME|N", "Channel of an instrument's file: its name or number."),
+    "line": (_line, "N|X,Y,X,Y", "Line of a map: its number, or its two end points [m]."),
+    "along": (str, "x|y", "Direction of a line that is given by its number."),
+    "missing": (str, "MARK", "Text or number that the file has for a missing height."),
+    "fill": (str, "linear|drop", "Interpolate missing heights (linear), or drop their points."),
     "sort": (_number, "true", "Sort points that are out of order."),
-    "invert": (_number, "true", "Turn heights upside down: they are depths (false: they are not)."),
-    "regrid": (_number, "true|N", "Even positions: as many as points, or N."),
-    "lambda_s": (_number, "M", "Gaussian filter [m]: shorter waves go."),
-    "detrend": (_number, "KIND", "Form that is subtracted: none, line, quadratic, or a degree."),
-    "lambda_c": (_number, "M", "Gaussian filter [m]: longer waves go."),
-    "taper": (_number, "PART", "Part of the length, at each end, over which heights become equal."),
-    "period": (_number, "true|M", "Length of the period [m], or true: the measured one."),
+    "invert": (
+        _number,
+        "true",
+        "true: the heights are depths, turn them upside down; false: keep.",
+    ),
+    "regrid": (_number, "true|N", "Interpolate to N even positions; true: as many as points."),
+    "lambda_s": (_number, "M", "Cutoff [m] of a Gaussian filter: removes shorter waves."),
+    "detrend": (_number, "KIND", "Form to subtract: none, line, quadratic, or a degree."),
+    "lambda_c": (_number, "M", "Cutoff [m] of a Gaussian filter: removes longer waves."),
+    "taper": (
+        _number,
+        "PART",
+        "Fraction of the length, at each end, over which heights level out.",
+    ),
+    "period": (_number, "true|M", "Length of the period [m]; true: the measured length."),
 }
 
 
@@ -93,12 +101,12 @@ def _with_keys(command: Callable[..., None]) -> Callable[..., None]:
 @click.command("trace")
 @click.argument("file", type=click.Path(path_type=Path))
 @_with_keys
-@plot_option("Draw the preparation, heights and spectrum.")
+@plot_option("Draw the preparation, the distribution of heights and the power spectrum.")
 @click.option(
     "--scene",
     type=click.Path(path_type=Path),
     metavar="OUT.toml",
-    help="Write a scene file to start from.",
+    help="Write a first scene file with this trace.",
 )
 @OVERWRITE
 @AS_JSON
@@ -117,7 +125,7 @@ def trace_command(
         raise SceneError.of(
             "FILE",
             str(file),
-            "a file of points, as a scene file names one; `contact solve` reads the scene itself",
+            "a file with the points of a trace; for a scene file use `contact solve`",
         )
     keys = {name: KEYS[name][0](text) for name, text in options.items() if text is not None}
 
@@ -156,7 +164,7 @@ def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> Non
     rows = [
         ("points", str(measured.points)),
         ("length", quantity(measured.length, "m", 6)),
-        ("pitch", pitch if measured.even else f"{pitch} in the mean, uneven"),
+        ("pitch", pitch if measured.even else f"{pitch} on average, uneven"),
         ("highest to lowest point", quantity(measured.depth, "m")),
         ("Ra", quantity(measured.Ra, "m")),
         ("Rq", quantity(measured.Rq, "m")),
@@ -188,7 +196,9 @@ def show_profile(profile: Profile) -> None:
     for place, body in profile.bodies.items():
         if isinstance(body, Sampled) and body.history:
             show_trace(
-                f"trace of {place}, as it is solved" if pair else "trace, as it is solved",
+                f"trace of {place} after its preparation"
+                if pair
+                else "trace after its preparation",
                 roughness(body),
                 body.history,
             )
@@ -257,13 +267,9 @@ def starting_scene(
     if period is not None:
         lines += ['model = "periodic"', "", "[control]", comment, f"mean_pressure = {pressure:.4g}"]
     else:
+        lines += ['model = "isolated"         # no period is given', "", "[control]"]
         lines += [
-            'model = "isolated"         # no period is given: the trace just ends',
-            "",
-            "[control]",
-        ]
-        lines += [
-            f"{comment}, over a thousandth of its length [N/m]",
+            f"{comment}, on a thousandth of the trace's length [N/m]",
             f"load = {1e-3 * pressure * measured.length:.4g}",
         ]
     return "\n".join(lines) + "\n"

@@ -288,7 +288,7 @@ class TestPlan:
             "coupled unknowns",
             "kernel evaluations",
             "profile evaluations",
-            "time in all",
+            "total time",
         ):
             assert name in result.stdout
 

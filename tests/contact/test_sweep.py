@@ -582,7 +582,7 @@ def test_the_command_writes_the_table_of_contact_sweep_and_continues_it(tmp_path
     [
         (["--vary", "control.load"], "--vary"), (["--vary", "=1,2"], "--vary"), (["--vary", "control.load=1:2"], "--vary control.load"),
         (["--vary", "control.load=1,x"], "--vary control.load"), (["--vary", "control.lod=1,2"], "did you mean"),
-        (["--vary", "control.load=1,2", "--vary", "control.load=3"], "not given yet"), ([], "--vary"),
+        (["--vary", "control.load=1,2", "--vary", "control.load=3"], "is given twice"), ([], "--vary"),
         (["--vary", "control.load=1,2", "--scheduler", "tcp://a:1"], "--workers"),
     ],
 )  # fmt: skip
@@ -604,7 +604,7 @@ def test_if_no_point_is_solved_the_command_ends_as_contact_solve_would(tmp_path)
     text = TEXT.replace('"periodic"', '"isolated"')
     failed = command("--vary", "control.load=1,2", "--out", tmp_path / "sweep.nc", "-q", text=text)
     assert failed.exit_code == 2 and failed.stderr.splitlines()[-1].startswith(
-        "contact: no point is solved: OutOfRange"
+        "contact: all points failed; the first one: OutOfRange"
     )
 
 
