@@ -137,7 +137,7 @@ def tolerance(tol: object) -> float:
         or not isinstance(tol, Real)
         or not SEARCH.least_error <= float(tol) < 1.0
     ):
-        raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
+        raise SceneError.of("tol", tol, "a number, at least 1e-13 and below 1")
     return float(tol)
 
 

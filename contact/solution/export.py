@@ -186,10 +186,12 @@ def new_file(
         )
     path = Path(path)
     if path.is_dir() or not path.parent.is_dir():
-        raise SceneError.of(field, str(path), "a file in a folder that exists")
+        raise SceneError.of(field, str(path), "a file (not a folder) in a folder that exists")
     if path.exists() and not overwrite:
         raise SceneError.of(
-            field, str(path), "a file that is not there yet, or overwrite=True given"
+            field,
+            str(path),
+            "the name of a new file; use overwrite=True to replace an existing file",
         )
     return path
 
@@ -243,7 +245,10 @@ def to_xarray(solution: Solution) -> Any:
         data["plateaus"] = (
             ("plateau", "end"),
             np.asarray(solution.plateaus),
-            {"units": "m", "long_name": "ends of the intervals at the hardness"},
+            {
+                "units": "m",
+                "long_name": "ends of the plateaus, where the pressure equals its limit",
+            },
         )
     coordinates = {
         "x": ("x", fields["x"], {"units": "m", "long_name": "position"}),

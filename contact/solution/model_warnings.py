@@ -65,17 +65,16 @@ def _length_warnings(scene: Scene) -> tuple[str, ...]:
     message = f"a profile {quantity(length, 'm')} long"
     if not _LIMITS.smallest <= length <= _LIMITS.longest:
         return (
-            f"{message} on E_star = {quantity(scene.E_star, 'Pa')} is not that of a surface: all "
-            "lengths of a scene are in metres",
+            f"{message}, with E_star = {quantity(scene.E_star, 'Pa')}, is not realistic: give all "
+            "lengths of the scene in metres",
         )
     # The height varies by at most half of the integral of |slope| over a period. This integral is
     # at most the rms slope times the length of the period.
     depth = 0.5 * profile.slope_sizes[1] * length
     if 0.0 < depth < _LIMITS.smallest:
         return (
-            f"{message} is no deeper than {quantity(depth, 'm', 2)}, less than an atom: all "
-            "lengths "
-            "of a scene are in metres",
+            f"the heights of {message} vary by at most {quantity(depth, 'm', 2)}, less than an "
+            "atom: give all lengths of the scene in metres",
         )
     return ()
 
@@ -84,8 +83,8 @@ def _modulus_warnings(scene: Scene) -> tuple[str, ...]:
     modulus, length = scene.E_star, _length(scene.profile)
     if modulus > _LIMITS.stiffest:
         return (
-            f"E_star = {modulus:.3g} Pa is that of no material, diamond's being 1.2e12 Pa: E_star "
-            "is in pascals",
+            f"E_star = {modulus:.3g} Pa is larger than that of any material (diamond: 1.2e12 Pa): "
+            "give E_star in pascals",
         )
     if (
         modulus < _LIMITS.softest
@@ -93,8 +92,10 @@ def _modulus_warnings(scene: Scene) -> tuple[str, ...]:
         and length is not None
         and length < _LIMITS.longest
     ):
-        message = f"E_star = {modulus:.3g} Pa on a length of {quantity(length, 'm')}"
-        return (f"{message} is softer than any gel: E_star is in pascals, not in MPa or GPa",)
+        message = f"E_star = {modulus:.3g} Pa, for a profile {quantity(length, 'm')} long,"
+        return (
+            f"{message} is smaller than that of any gel: give E_star in pascals, not in MPa or GPa",
+        )
     return ()
 
 
@@ -151,11 +152,11 @@ def _slope_warnings(solution: Solution) -> tuple[str, ...]:
     message = (
         f"slopes up to {steepest:.2g} in contact"
         if rms <= _LIMITS.steepest
-        else f"slopes up to {largest:.2g}, {rms:.2g} on average"
+        else f"slopes up to {largest:.2g}, with an rms of {rms:.2g}"
     )
     return (
-        f"{message}: a surface steeper than about {_LIMITS.steepest} is not the nearly plane one "
-        "of the model",
+        f"{message}: the model assumes nearly plane surfaces, with slopes below about "
+        f"{_LIMITS.steepest}",
     )
 
 
@@ -172,9 +173,9 @@ def _pressure_warnings(solution: Solution) -> tuple[str, ...]:
         highest, what = solution.max_pressure, "largest pressure"
     if highest <= _LIMITS.highest * scene.E_star:
         return ()
-    message = f"a {what} of {quantity(highest, 'Pa', 3)}, {highest / scene.E_star:.2g} of E*"
+    message = f"a {what} of {quantity(highest, 'Pa', 3)}, which is {highest / scene.E_star:.2g} E*"
     return (
-        f"{message}: above about {_LIMITS.highest} of it strains are large, and few materials stay "
+        f"{message}: above about {_LIMITS.highest} E*, strains are large and few materials stay "
         "elastic",
     )
 

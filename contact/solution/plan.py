@@ -156,7 +156,7 @@ def plan(scene: Scene) -> Plan:
     >>> scene = contact.Scene(wave, 1e9, contact.Periodic(), mean_pressure=1e6)
     >>> part = contact.plan(scene)["periodic kernel"]
     >>> part.used, part.reason
-    (True, 'the whole period repeats')
+    (True, 'the contact repeats with the period')
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
@@ -164,8 +164,8 @@ def plan(scene: Scene) -> Plan:
     given, single = scene.held(Quantity.HALF_WIDTH) is not None, starts_from_one_zone(scene)
     kinks = len(profile.kinks) + len(profile.algebraic_points)
     why_no_search = "zones are given" if given else "one symmetric asperity"
-    beyond = " beyond its images" if model.needs_period else ""
-    only_images = f"{model.name}: nothing repeats{beyond}"
+    beyond = " beyond the copies of the strip" if model.needs_period else ""
+    only_images = f"{model.name}: the contact does not repeat{beyond}"
     made = Plan(
         [
             _part(
@@ -181,26 +181,26 @@ def plan(scene: Scene) -> Plan:
             _part(
                 "periodic kernel",
                 scene.operator.is_periodic,
-                "the whole period repeats",
+                "the contact repeats with the period",
                 only_images,
             ),
             _inverse(scene),
             _part(
                 "localization term",
                 bool(model.strip),
-                "nominal pressure beyond the strip",
-                f"{model.name} has none",
+                "the surface outside the strip is approximated",
+                f"{model.name} has no strip",
             ),
             _part(
                 "isolated reference",
                 model.follows_isolated,
-                "the first-order closure needs the isolated load",
-                "no closure that needs it",
+                "the first-order closure needs the load of the isolated contact",
+                "no closure needs it",
             ),
             _part("kinks", kinks > 0, f"{kinks} declared", "none declared"),
             _part("zone ends", not given, "unknown: Newton", "half width given"),
-            Part("slits", False, "no zones beside narrow gaps known"),
-            Part("fast sums", False, "few zones: sums are direct"),
+            Part("slits", False, "no zones next to narrow gaps are known"),
+            Part("fast sums", False, "few zones: the sums are computed directly"),
             Part("certificate", True, "always"),
             Part("fields", False, "computed when asked"),
         ]
@@ -235,10 +235,14 @@ def _inverse(scene: Scene) -> Part:
     if operator.has_inverse:
         body = "half-plane" if operator.is_half_plane else f"{name} has a symbol"
         return Part(
-            "inverse operator", True, f"{body}: full contact, and gaps where contact is nearly full"
+            "inverse operator",
+            True,
+            f"{body}: used in full contact, and for the gaps of nearly full contact",
         )
     return Part(
-        "inverse operator", False, f"{name} declares no symbol: by its zones alone, no full contact"
+        "inverse operator",
+        False,
+        f"{name} declares no symbol: the zones are the unknowns, and full contact is refused",
     )
 
 
@@ -250,7 +254,7 @@ def _branch(scene: Scene) -> Part:
             False,
             f"{scene.law.name}: one equilibrium"
             if scene.law.equilibria.unique
-            else f"{scene.law.name}: followed by none",
+            else f"{scene.law.name}: no branch is followed",
         )
     if scene.held(Quantity.HALF_WIDTH) is not None:
         return Part("branch", False, "half width given")
@@ -262,7 +266,7 @@ def _symmetry(scene: Scene) -> Part:
     if scene.turned:
         return Part("symmetry", False, "the body is turned")
     if scene.law.kappa:
-        return Part("symmetry", False, "different bodies slide, which has a direction")
+        return Part("symmetry", False, "sliding with elastic mismatch has a direction")
     return _part(
         "symmetry", bool(scene.profile.symmetric), "profile symmetric", "profile not symmetric"
     )
@@ -274,14 +278,14 @@ def _tilt(scene: Scene) -> Part:
         return Part(
             "tilt",
             False,
-            "none given" if scene.moment is None else "no moment turns a symmetric body",
+            "none given"
+            if scene.moment is None
+            else "a zero moment does not turn a symmetric body",
         )
     return Part(
         "tilt",
         True,
-        "given: a part of the profile"
-        if scene.moment is None
-        else "unknown: found with the moment",
+        "given: added to the profile" if scene.moment is None else "unknown: found from the moment",
     )
 
 

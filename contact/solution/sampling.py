@@ -38,8 +38,8 @@ def window(solution: Solution) -> tuple[float, float]:
         return profile.known
     if len(solution.zones) == 0:
         raise SceneError(
-            "a lone body that touches nothing has no stretch to be shown on: "
-            "its surfaces are apart",
+            "there is no interval to show: the surfaces are apart, and the profile has neither a "
+            "period nor ends. Use a control at which the surfaces touch",
             "zones",
         )
     lo, hi = float(solution.zones.min()), float(solution.zones.max())

@@ -142,14 +142,15 @@ class Solution(sie.Kept):
             raise SceneError.of(
                 "zone",
                 zone,
-                "left alone: full contact, or surfaces apart, have no zones, use pressure(x)",
+                "the number of a zone, but in full contact or with the surfaces apart there are no "
+                "zones: use pressure(x)",
             )
         count = len(self.zones)
         if not isinstance(zone, Integral) or not -count <= zone < count:
             raise SceneError.of(
                 "zone",
                 zone,
-                f"a whole number from 0 to {count - 1}, there being {counted(count, 'zone')}",
+                f"a whole number from 0 to {count - 1}: the solution has {counted(count, 'zone')}",
             )
         t = real("t", t)
         if np.any(np.abs(t) > 1):
@@ -312,20 +313,22 @@ class Solution(sie.Kept):
         if not law.equilibria.several or self.scene.held(Quantity.HALF_WIDTH) is not None:
             what = f"the law {law.name}" if not law.equilibria.several else "a given half width"
             raise SceneError(
-                f"there is no pull-off under {what}: it is that of adhesion under a load or an "
-                "approach",
+                f"there is no pull-off under {what}: use a law of adhesion, and give a load, a "
+                "mean pressure or an approach",
                 "pull_off",
             )
         if not isinstance(self.fields, ZoneFields):
             if law.tension:
                 raise SceneError(
-                    "pull-off is told of contact that is not nearly full: ask for it under a "
-                    "smaller load",
+                    "the pull-off is computed only if there are zones of contact and contact is "
+                    "not nearly full: use a solution under another load",
                     "pull_off",
                 )
             return None
         if self.find_pull_off is None:
-            raise SceneError("there is no pull-off of a state that did not converge", "pull_off")
+            raise SceneError(
+                "the pull-off of a state that did not converge is not computed", "pull_off"
+            )
         return self.find_pull_off(self.fields)
 
     def stress(
@@ -586,7 +589,7 @@ def limit_of_approach(solution: Solution, tol: float) -> str:
     if rounding <= 0.1 * tol:
         return ""
     return (
-        f"a unit in the last digit of the approach is {rounding:.1e} of the load (condition "
-        f"{condition:.0e}): give a load, a mean "
-        "pressure or a contact fraction"
+        f"rounding of the approach in its last digit changes the load by {rounding:.1e} of its "
+        f"value (condition {condition:.0e}): give a load, a mean pressure or a contact fraction "
+        "instead"
     )

@@ -239,7 +239,7 @@ def _title(report: StressReport, show: str) -> str:
         place = f"$x$ = {x}, depth {quantity(peak.y, 'm')}"
         lines.append(rf"largest {name} {quantity(peak.stress, 'Pa')} (cross) at {place}")
     if show == "fringes":
-        lines[-1] += f"; {OPTIONS.fringes} fringes up to it"
+        lines[-1] += f"; {OPTIONS.fringes} fringes up to this stress"
     if report.yields is not None and report.strength is not None:
         words = "von Mises" if report.criterion == "mises" else "Tresca"
         lines.append(

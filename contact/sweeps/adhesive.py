@@ -429,9 +429,9 @@ class _PathRun:
         highest = assemble.mean_height(self.scene)
         if values.max() >= highest:
             raise OutOfRange(
-                f"approach {values.max():.6g} m is not below {highest:.6g} m, the mean of the "
-                "profile: under a held approach the surfaces "
-                "come ever nearer to it, and close at none below"
+                f"approach {values.max():.6g} m is not below {highest:.6g} m, the mean height of "
+                "the profile above its lowest point: in full contact the approach equals this mean "
+                "height at any load. Give smaller approaches"
             )
 
     def first(self, value: float) -> PathState:

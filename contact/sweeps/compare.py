@@ -153,7 +153,7 @@ def tables(attempts: list[Attempt]) -> Iterator[tuple[str, list[Column]]]:
         ],
     )
     yield (
-        "difference from the exact model, in %, and time",
+        "difference from the exact model in %, and computing time",
         [
             models,
             *(

@@ -70,7 +70,7 @@ def plot_comparison(attempts: list[Attempt]) -> Any:
         _draw_pressures(top, solved, styles)
         for axes in (apart, errors):
             axes.set_axis_off()
-            text = "no exact solution to differ from"
+            text = "no exact solution to compare with"
             axes.text(0.5, 0.5, text, ha="center", transform=axes.transAxes)
     else:
         _draw_pressures(top, {attempts[-1].name: exact}, styles)

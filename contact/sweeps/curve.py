@@ -39,10 +39,10 @@ class FailureCollector:
         if solved == 0:
             raise failure
         values = ", ".join(f"{one:.17g}" for one, _ in self.failures[1:])
-        also = f"; also missed: {values}" if values else ""
+        also = f"; also not converged at: {values}" if values else ""
         raise NotConverged(
             f"{self.control} = {value:.17g}: {failure} ({counted(solved, 'other value')} solved, "
-            f"as `best` of this error{also})",
+            f"see the attribute `best` of this error{also})",
             self.failures,
             best,
         ) from failure

@@ -585,7 +585,7 @@ class EventSearch:
                 # Without this lower limit, the search would make shorter and shorter load steps,
                 # and would never pass a load at which an end of a zone jumps.
                 break
-        raise WrongTopology("the contact moves too fast with the load", None)
+        raise WrongTopology("the ends of zones move too fast with the load", None)
 
     def _located(
         self, here: PathPoint, awaited: Awaited | Renewal
@@ -626,7 +626,7 @@ class EventSearch:
         If another event comes before a merger, that event is returned instead.
         """
         if zero < here.at - _OPTIONS.ends:
-            raise WrongTopology("an event lies before the contact from which it was sought", None)
+            raise WrongTopology("an event lies before the contact where its search began", None)
         if isinstance(watched[0].event, Merger):
             others = self._overlapping(here, point, [])
             for one in others:

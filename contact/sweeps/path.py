@@ -24,7 +24,10 @@ def refuse_unloading(scene: Scene, loads: Array, blamed: tuple[str, Any, str]) -
     """
     if scene.law.routes.first is not None and np.any(np.diff(loads) < 0):
         name, value, allowed = blamed
-        why = f"under {scene.law.name}: unloading begins from the profile Solution.worn()"
+        why = (
+            f"under {scene.law.name}: for unloading, solve the elastic contact of the profile "
+            "Solution.worn()"
+        )
         raise SceneError.of(name, value, f"{allowed} {why}")
 
 
@@ -101,7 +104,8 @@ def path(
         raise SceneError.of(
             "stiffness",
             stiffness,
-            f"left out under {control}: it is that of a spring whose far end's approach is given",
+            f"left out under the control {control}: with a spring, the values are approaches of "
+            "the spring's far end",
         )
     name = control or ("load" if stiffness is None else "approach")
     if scene.law.equilibria.several:
@@ -110,14 +114,16 @@ def path(
         raise SceneError.of(
             "law",
             scene.law.name,
-            "one under which contact only grows with the load: a path under others is not followed",
+            "a law with convex = True, or with another law as `bare`: no path is computed under "
+            "other laws",
         )
     if name == "approach":
         what, given = ("control", control) if stiffness is None else ("stiffness", stiffness)
         raise SceneError.of(
             what,
             given,
-            f"left out: under {scene.law.name} a path goes by the load, and no spring changes it",
+            f"left out: under {scene.law.name} the values of a path are loads or mean pressures, "
+            "and a spring has no effect",
         )
     loads = finite_array("values", values)
     if np.any(loads <= 0):

@@ -92,7 +92,7 @@ def energy_line(found: Path) -> str:
     if not (isinstance(found, AdhesivePath) and found.events) or found.dissipated is None:
         return ""
     lost, work = quantity(found.dissipated, "J/m"), quantity(found.work, "J/m")
-    return f"lost in all: {lost}; work of the load: {work}"
+    return f"energy lost in all jumps: {lost}; work of the load: {work}"
 
 
 def report(found: Path) -> str:
@@ -106,7 +106,7 @@ def report(found: Path) -> str:
             text = text_table(table.values(), words=(), blanks=1)
     parts = [*textwrap.wrap(title(found.solutions[0].scene), 80), "", text]
     if left_out:
-        parts.append(f"too wide, but in save() and to_dict(): {', '.join(left_out)}")
+        parts.append(f"left out (too wide; see save()): {', '.join(left_out)}")
     if found.events:
         events = event_columns(found.events)
         parts += ["", text_table(events, words=(0, len(events) - 1))]

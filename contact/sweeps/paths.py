@@ -280,8 +280,8 @@ class PathSearch:
                 return self._events(low, middle) + self._events(middle, high)
             if event is None:
                 raise NotConverged(
-                    f"the {change.kind} between loads {low.load:.17g} and {high.load:.17g} "
-                    "was not located"
+                    f"the event {change.kind!r} between the loads {low.load:.17g} and "
+                    f"{high.load:.17g} N/m was not located"
                 )
             events.append(event)
             self.events_found += 1

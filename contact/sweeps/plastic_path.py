@@ -88,8 +88,8 @@ class PlasticPath(PathSearch):
         if step <= OPTIONS.same:
             kinds = ", ".join(change.kind for change in found)
             raise NotConverged(
-                f"events between loads {low.load:.17g} and {high.load:.17g} were not located: "
-                f"{kinds}"
+                f"events between the loads {low.load:.17g} and {high.load:.17g} N/m were not "
+                f"located: {kinds}"
             )
         return self._divided(low, high, (low.load, high.load))
 
@@ -270,7 +270,7 @@ class _Condition:
         else:
             right = touches & ~yields
         if not right.all():
-            raise WrongTopology("another contact or plateau has come to the place", None)
+            raise WrongTopology("another zone or plateau lies at the place of the event", None)
 
     def _at(self, fields: PlasticFields, x: Array) -> Array:
         """The function whose least value is the condition of the event.
@@ -315,7 +315,7 @@ class _Condition:
         except (sie.SingularSystem, ContactError) as failure:
             raise WrongTopology(str(failure), None) from failure
         if len(free.lost) or len(free.met) or not free.converged:
-            raise WrongTopology("the contacts do not go on to this load", free)
+            raise WrongTopology("zones vanish or meet, or do not converge, at this load", free)
         fields = PlasticFields(self.problem, free.state, limit=self.limit)
         self.spots[load] = fields.spots
         return fields

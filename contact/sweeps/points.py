@@ -7,15 +7,15 @@ from contact.solution.solution import Solution
 
 # Unit and description of each number, by the name of the number.
 NUMBERS = {
-    "load": ("N/m", "load, per period where there is one"),
-    "mean_pressure": ("Pa", "load over the period"),
+    "load": ("N/m", "load, per period if there is a period"),
+    "mean_pressure": ("Pa", "load divided by the period"),
     "max_pressure": ("Pa", "largest pressure"),
     "approach": ("m", "approach of the bodies"),
-    "contact_fraction": ("1", "width in contact over the period"),
+    "contact_fraction": ("1", "width in contact divided by the period"),
     "total_width": ("m", "width in contact"),
     "stiffness": ("N/m^2", "d load / d approach"),
     "mean_gap": ("m", "mean of the gap over the period"),
-    "zone_count": ("1", "number of contact zones, 0 in full contact and apart"),
+    "zone_count": ("1", "number of contact zones; 0 in full contact or if the surfaces are apart"),
     "error": ("1", "stated bound of the relative error"),
 }
 

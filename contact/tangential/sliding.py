@@ -87,7 +87,7 @@ def _found(context: SolveContext) -> Outcome:
             return outcome
         context.record_failure("zones of a similar solution", outcome)
     bare = replace(scene, law=Frictionless())
-    context.plan.decide("first guess", "the contact without friction", "its zones are near by")
+    context.plan.decide("first guess", "the contact without friction", "its zones are similar")
     with context.plan.timed("coarse search"):
         smooth = context.solve_scene(bare, max(context.tol, SEARCH.intermediate))
     outcome = _from(context, Start.of(smooth))
@@ -178,8 +178,9 @@ def _from(context: SolveContext, start: Start) -> Outcome | Failure:
         if full := full_under(context, control, but_for_kinks=True):
             return full
         return Failure(
-            "without friction no gap is wide enough to be told, and with elastic mismatch gaps "
-            "over kinks are known only where they can be told: ask for a smaller load"
+            "the contact without friction has no gap that is wide enough to be resolved, and with "
+            "elastic mismatch gaps over kinks are found only if they are resolved: use a smaller "
+            "load"
         )
     load = start.load / problem.units.load
     found = context.refine_topology(problem, control, table, load_guess=load)
@@ -207,7 +208,7 @@ def _gaps_are_known(context: SolveContext, problem: Problem) -> bool:
     """
     reason, profile = why_not_gaps(context, problem), problem.profile
     if not reason and (len(profile.jumps) or (profile.kinks[:, 1] < 0).any()):
-        reason = "with elastic mismatch the slope of a gap is not known where that of a body jumps"
+        reason = "with elastic mismatch gaps need a profile without jumps or kinks in valleys"
     if reason:
         context.plan.decide("unknowns", "zones", reason)
     return not reason

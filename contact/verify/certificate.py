@@ -106,7 +106,7 @@ NOT_CHECKED = Certificate(
     holds=False,
     load_balance=np.nan,
     level_spread=np.nan,
-    note="a formal solution: its signs were not checked",
+    note="a formal solution: the signs of pressure and gap were not checked",
 )
 
 
@@ -196,8 +196,8 @@ def certify(
     if tested and not gaps.on_zones <= _allowed_gap(fields):
         holds = False
         note = (
-            f"on the zones, where it is zero, the gap comes to {gaps.on_zones * units.height:.1e} "
-            "m: height and slope do not go together"
+            f"on the zones, where it must be zero, the gap is {gaps.on_zones * units.height:.1e} "
+            "m: the height and the slope of the profile do not match"
         )
     if equilibrium is not None:
         note = equilibrium.fault or f"{equilibrium.note}{'; ' + note if note else ''}"
@@ -265,19 +265,23 @@ def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
         compliance = None if control is None else control.compliance
         stability = least_eigenvalue(fields.second_variation(compliance))
     if error > TOLERANCES.edge_condition * max(1.0, fields.bending):
-        return _Equilibrium(error, stability, f"an end misses its intensity by {error:.1e}")
+        fault = f"the intensity at an end differs from that of the law by {error:.1e} of its value"
+        return _Equilibrium(error, stability, fault)
     if stability is not None and not stability > 0.0:
         fault = (
-            f"not stable under a held {name}: the second variation of the energy is not positive"
+            f"not stable under a given {name}: the second variation of the energy is not positive"
         )
         return _Equilibrium(error, stability, fault)
     if stability is None:
-        kind = "its ends are given"
+        kind = "the ends are given"
     elif stability == np.inf:
-        kind = "all ends are held at sharp corners"
+        kind = "all ends lie at sharp corners"
     else:
-        kind = f"locally stable under a held {name}"
-    note = f"one of several equilibria: intensities at the ends, no overlap, balance, {kind}"
+        kind = f"locally stable under a given {name}"
+    note = (
+        "one of several equilibria; checked: intensities at the ends, no overlap, balance of the "
+        f"load; {kind}"
+    )
     return _Equilibrium(error, stability, note=note)
 
 

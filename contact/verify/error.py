@@ -182,9 +182,9 @@ def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
         return ""
     part = TOLERANCES.kernel_rounding / _kernel_rounding(problem, table)
     return (
-        f"under a zone as wide as this {problem.substrate.name} gives way by {part:.1e} of what a "
-        "half-plane does, and the rounding of the "
-        "rest is large beside that: ask for a larger tolerance, or for narrower zones"
+        f"under zones of this width the compliance of {problem.substrate.name} is only {part:.1e} "
+        "of that of a half-plane, and the rounding of the kernel is large compared with it: use a "
+        "larger tol, or a control that gives narrower zones"
     )
 
 
@@ -199,13 +199,14 @@ def too_thin(problem: Problem, table: Array) -> str:
     reason = (
         f"a zone {wide} wide is {width / kernel.length:.0f} times as wide as the length {length} "
         f"over which the kernel of {problem.substrate.name} varies, and more than "
-        f"{TOLERANCES.max_kernel_lengths:.0f} times takes too long: ask for narrower zones"
+        f"{TOLERANCES.max_kernel_lengths:.0f} times takes too long: use a control that gives "
+        "narrower zones"
     )
     if not problem.operator.compression:
         return reason
     return (
-        f"{reason}. Away from the ends the pressure is E_star (approach - f) / (2 compression) "
-        "there, as of springs"
+        f"{reason}. Far from its ends, such a zone has the pressure E_star (approach - f) / "
+        "(2 compression), as on independent springs"
     )
 
 
@@ -278,8 +279,8 @@ def limit(
     """
     if positions > 0.5 * tol:
         return (
-            f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width; put "
-            "the origin nearer, or allow a larger tol"
+            f"positions so far from x = 0 have a rounding error of {positions:.1e} of a zone's "
+            "width; put x = 0 nearer to the zones, or use a larger tol"
         )
     density, rounding = free.density, free.rounding
     width = density.zones.b - density.zones.a
@@ -287,17 +288,17 @@ def limit(
     worst = float(rounding[zone].max())
     if worst > 0.5 * tol:
         return (
-            f"rounding of heights and slopes leaves the ends of a {of} of "
-            f"{width[zone] / width.max():.1e} of the widest one's "
-            f"width uncertain by {worst:.1e} of it (condition {worst / EPS:.0e})"
+            f"rounding of heights and slopes makes the ends of a {of} uncertain by {worst:.1e} of "
+            f"its width (condition {worst / EPS:.0e}); this {of} has "
+            f"{width[zone] / width.max():.1e} of the width of the widest {of}"
         )
     if of != "zone":  # the density is no pressure, but the slope of the gap
         if worst < 0.5 * float(free.end_error.max()):
             return ""
         return (
-            f"rounding of heights and slopes leaves the ends of gaps uncertain by {worst:.1e} of "
-            "their width, and narrow zones and the "
-            f"pressure beside them follow that {error / worst:.0e} times; allow a larger tol"
+            f"rounding of heights and slopes makes the ends of gaps uncertain by {worst:.1e} of "
+            "their width, and the errors of narrow zones and of the pressure beside them are "
+            f"{error / worst:.0e} times this value; use a larger tol"
         )
     _, by_left, by_right = density.sensitivity
     moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / reference(
@@ -305,9 +306,9 @@ def limit(
     )
     if moved > 0.25 * tol:
         return (
-            f"rounding leaves ends uncertain by {worst:.1e} of a width, and beside a corner so "
-            "close to an end the pressure follows "
-            f"them {moved / worst:.0e} times"
+            f"rounding makes ends uncertain by {worst:.1e} of the width of a zone, and the error "
+            f"of the pressure beside a corner so close to an end is {moved / worst:.0e} times this "
+            "value"
         )
     return ""
 

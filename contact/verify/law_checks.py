@@ -37,7 +37,7 @@ def _fault(law: Law, fields: Fields, given_load: float | None) -> str:
     highest = law.pressure_range.highest
     if law.pressure_range.has_limit and fields.max_pressure > highest * (1.0 + TOLERANCES.balance):
         reached, most = (quantity(value, "Pa", 6) for value in (fields.max_pressure, highest))
-        return f"{law.name}: the pressure reaches {reached}, above {most}"
+        return f"{law.name}: the pressure reaches {reached}, above its limit {most}"
     load = None if given_load is None else given_load / fields.problem.units.load
     fault = AuthorMethod("law.fault(fields, load)", "law").text(law.fault, fields, load)
     return f"{law.name}: {fault}" if fault else ""

@@ -64,7 +64,7 @@ def whole(name: str, value: Any, least: int) -> int:
     """The value as a whole number, `least` or more."""
     if isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= least:
         return int(value)
-    raise ValueError(f"{name} must be a whole number from {least} on, got {shown(value)}")
+    raise ValueError(f"{name} must be a whole number of at least {least}, got {shown(value)}")
 
 
 def numbers(name: str, values: Any) -> Array:
@@ -78,7 +78,7 @@ def numbers(name: str, values: Any) -> Array:
         return values
     table = table_of(name, values)
     if table.ndim > 1 or not np.isfinite(table).all():
-        raise ValueError(f"{name} must be finite numbers, an array (k,), got {shown(values)}")
+        raise ValueError(f"{name} must be an array (k,) of finite numbers, got {shown(values)}")
     return np.atleast_1d(table)
 
 
@@ -88,7 +88,7 @@ def table_of(name: str, values: Any) -> Array:
         table = np.asarray(values)
     except (ValueError, TypeError):
         raise ValueError(
-            f"{name} must be an array of numbers, got rows of unequal length: {shown(values)}"
+            f"{name} must be an array of numbers with rows of equal length, got {shown(values)}"
         ) from None
     if table.dtype.kind not in "fiu" and table.size:
         raise ValueError(f"{name} must be real numbers, got {shown(values)}")

@@ -85,7 +85,7 @@ class Kernel(Kept):
         poles = inputs.numbers("the poles of a kernel", self.poles)
         if len(poles) == 0 or poles[0] != 0.0 or len(np.unique(poles)) < len(poles):
             raise ValueError(
-                "the poles of a kernel are different finite numbers, the first of them 0, "
+                "the poles of a kernel must be different finite numbers, the first of them 0, "
                 f"got {self.poles!r}"
             )
         for name, value in (("period", self.period), ("datum", self.datum)):
@@ -95,7 +95,7 @@ class Kernel(Kept):
             "a kernel", self.regular, self.regular_potential, self.regular_slope, self.length
         )
         if self.regular is None and self.regular_potential is not None:
-            raise ValueError("a kernel has a regular potential but no regular part: give both")
+            raise ValueError("a kernel has regular_potential but not regular: give both")
 
     __array_ufunc__ = None  # makes NumPy arrays call the operators of the kernel
 
@@ -129,7 +129,8 @@ class Kernel(Kept):
         }
         if (regular := parts[what]) is None:
             raise ValueError(
-                f"the regular kernel has no {'slope' if what == 'derivative' else what}"
+                f"the regular kernel has no {'slope' if what == 'derivative' else what}: "
+                "give this function to the kernel"
             )
         return regular
 
@@ -158,9 +159,9 @@ class Kernel(Kept):
     def _refuse_multiple(self, *_: Any) -> "Kernel":
         """Raise ValueError for a multiple of a kernel, whose poles always have the weight 1."""
         raise ValueError(
-            "the pole 1 / (x - xi) of a kernel has the weight 1, so there is no multiple, sum or "
-            "difference of kernels with poles: divide the equation by the factor, that is the "
-            "right side, the columns and the Smooth parts"
+            "the pole 1 / (x - xi) of a kernel always has the weight 1, so that kernels with poles "
+            "cannot be multiplied by a number, or added to or subtracted from each other: divide "
+            "the equation by the factor (the right side, the columns and the Smooth parts)"
         )
 
     __mul__ = __rmul__ = __truediv__ = __neg__ = __rsub__ = _refuse_multiple
@@ -273,7 +274,8 @@ def _smooth(other: Any) -> Smooth:
     if callable(other):
         return Smooth(other)
     raise ValueError(
-        f"to a kernel a sie.Smooth or a function of (x, xi) can be added, got {inputs.shown(other)}"
+        "only a sie.Smooth or a function of (x, xi) can be added to a kernel or subtracted from "
+        f"it, got {inputs.shown(other)}"
     )
 
 
@@ -283,7 +285,7 @@ def _check_parts(name: str, value: Any, potential: Any, slope: Any, length: Any)
         inputs.function(f"the {part} of {name}", given, optional=True)
     if not (inputs.is_number(length) and length > 0):
         raise ValueError(
-            f"the length of {name} must be a positive number, or inf where it is not known, "
+            f"the length of {name} must be a positive number, or inf if it is not known, "
             f"got {inputs.shown(length)}"
         )
 

@@ -41,8 +41,8 @@ def potential_primitive(kernel: Kernel, lag: Array) -> Array:
         return np.asarray(kernel.period * u * (log - 1 - polyval(u * u, _series())))
     if kernel.regular is not None:
         raise ValueError(
-            "a condition on potentials beside ends with a value is for kernels without a Smooth "
-            "part"
+            "a condition on potentials and ends with a value cannot be combined if the kernel has "
+            "a Smooth part"
         )
     out = np.zeros(np.shape(lag))
     for pole in kernel.poles:

@@ -136,4 +136,4 @@ HALF = Weight()
 def needs_half(weight: Weight, what: str) -> None:
     """Raise ValueError unless the exponent is 1/2; `what` names the part that needs 1/2."""
     if not weight.is_half:
-        raise ValueError(f"{what}: known for kappa = 0 only")
+        raise ValueError(f"{what}: implemented for kappa = 0 only")

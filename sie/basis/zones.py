@@ -61,7 +61,7 @@ class End:
             inputs.number("the intensity of an end", self.intensity)
         if self.moves and self.intensity is None:
             raise ValueError(
-                "an end of unknown position needs a prescribed intensity (zero for a free end)"
+                "an end of unknown position needs a prescribed intensity (0.0 for a free end)"
             )
 
     @property
@@ -176,9 +176,9 @@ def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
             "sie.FREE, sie.SINGULAR, sie.BOUNDED, sie.free_with_intensity(K) or "
             "sie.free_with_value(v)"
         )
-        raise ValueError(f"{side}: kinds of ends are {known}, got {inputs.shown(ends)}")
+        raise ValueError(f"{side}: kinds of ends must be {known}, got {inputs.shown(ends)}")
     if len(kinds) != count:
-        raise ValueError(f"{side}: {len(kinds)} kinds of ends for {count} zones")
+        raise ValueError(f"{side}: got {len(kinds)} kinds of ends for {count} zones")
     return kinds
 
 
@@ -254,8 +254,8 @@ class Zones(Kept):
         with np.errstate(over="ignore"):
             if not np.isfinite(flat[-1] - flat[0]) or np.any(table[:, 1] - table[:, 0] < TINY):
                 raise ValueError(
-                    f"zones must be wider than {TINY:g} and reach over a finite length: choose "
-                    "another unit of length"
+                    f"zones must be wider than {TINY:g}, and the distance between the first and "
+                    "the last end must be finite: choose another unit of length"
                 )
         count = table.shape[0]
         lefts, rights = _kinds(left, count, "left"), _kinds(right, count, "right")

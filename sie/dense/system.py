@@ -63,8 +63,8 @@ class Layout:
         """Index of the unknown amplitude of the equation's term `columns[k]`."""
         if not 0 <= k < self.columns:
             raise ValueError(
-                f"a condition asks for the amplitude of column {k}, but the equation has "
-                f"{self.columns} columns, from 0 on"
+                f"a condition uses the amplitude of column {k} (counted from 0), but the equation "
+                f"has {self.columns} columns"
             )
         return self.coefficients + k
 
@@ -606,7 +606,9 @@ class System(Rows):
 
     def _column_means(self, primitive: Callable[[Array], Array] | None) -> Array:
         if primitive is None:
-            raise ValueError("a condition on potentials needs the primitive of every column")
+            raise ValueError(
+                "a condition on potentials needs the primitive of every column: give `primitive`"
+            )
         return self.means(primitive(self.targets.x))
 
     def means(self, values: Array) -> Array:
@@ -621,7 +623,9 @@ class System(Rows):
     def _forcing_means(self) -> Array:
         zones, forcing = self.zones, self.equation.forcing
         if forcing.primitive is None:
-            raise ValueError("a condition on potentials needs the primitive of the right side")
+            raise ValueError(
+                "a condition on potentials needs the primitive of the right side: give `primitive`"
+            )
         solved = zones.solved
         w = zones.half[solved]
         ends, rest = np.array([zones.a[solved], zones.b[solved]]), zones.rest[:, solved]

@@ -174,7 +174,9 @@ class DensityBase(Kept):
         if np.iscomplexobj(x):
             return self._in_plane(x, "potential")
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
-            raise ValueError("the regular kernel has no potential")
+            raise ValueError(
+                "the regular kernel has no potential: give this function to the kernel"
+            )
         x = np.asarray(x, dtype=float)
         out = self._on_line(x, True)
         if self.beside is not None:

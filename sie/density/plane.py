@@ -224,8 +224,8 @@ def _check_analytic(regular: Regular, z: Complex, places: Array) -> None:
         along, across = (f[0] - f[1]) / (2 * h), (f[2] - f[3]) / (2j * h)
         if abs(along - across) > 1e-4 * (abs(along) + abs(across)) + 1e-10 * np.abs(f).max() / h:
             raise ValueError(
-                "at complex points the kernel's regular part must be the analytic function that it "
-                "is on the line"
+                "at complex points the kernel's regular part must be the analytic continuation of "
+                "its values at real points"
             )
 
 

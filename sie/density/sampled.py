@@ -123,19 +123,19 @@ class _Sampled:
     def _reason(self, n: int, reached: float, tol: float) -> str:
         """Message that says why the Chebyshev series of f does not decay to the tolerance."""
         found = (
-            f"the density is not resolved on zone {self.zone} (counted from 0): its last "
-            f"coefficients with {n} nodes are {reached:.1e} of the largest, not {tol:.1e}"
+            f"the density is not resolved on zone {self.zone} (counted from 0): with {n} nodes its "
+            f"last coefficients are {reached:.1e} of the largest, above the tol {tol:.1e}"
         )
         for side in ("left", "right"):
             exponent = self._exponent(side)
             if abs(exponent % 1.0 - 0.5) > OPTIONS.exponent_deviation:
                 return (
                     f"{found}; near the {side} end it varies as d^{exponent:.2f} with the distance "
-                    "d, where d^(-1/2) or d^(1/2) is needed"
+                    "d, but must vary as d^(-1/2) or d^(1/2)"
                 )
         return (
             f"{found}; it has a jump, a kink or a singularity on or close to the zone, or noise: "
-            "end zones there, or take a larger tol"
+            "end the zone at this point, or use a larger tol"
         )
 
     def _exponent(self, side: str) -> float:

@@ -360,7 +360,7 @@ def test_arguments_that_a_path_cannot_follow_are_refused_by_name():
             contact.path(wave, [0.0], **kwargs)
     with pytest.raises(contact.SceneError, match="values"):
         contact.path(wave, [])
-    with pytest.raises(contact.OutOfRange, match="mean of the profile"):
+    with pytest.raises(contact.OutOfRange, match="mean height of the profile"):
         contact.path(wave, [0.0, DELTA], control="approach")
     for kwargs in ({"control": "approach"}, {"stiffness": 1.0}):
         with pytest.raises(contact.SceneError, match="frictionless"):

@@ -87,7 +87,9 @@ def test_a_contact_whose_gap_is_not_zero_on_its_zones_is_not_certified(monkeypat
     with pytest.raises(contact.SceneError, match="slope disagrees with the height"):
         contact.solve(scene)
     monkeypatch.setattr(claims, "of", lambda *_: claims.Claims())
-    with pytest.raises(contact.NotConverged, match="height and slope do not go together"):
+    with pytest.raises(
+        contact.NotConverged, match="the height and the slope of the profile do not match"
+    ):
         contact.solve(scene)
 
 

@@ -343,9 +343,9 @@ def test_the_uncertainty_of_gaps_by_rounding_is_named():
     )
     why = limit(free, 1e-8, "gap", error=2e-8)
     assert "gaps uncertain by 2.0e-10 of their width" in why and "1e+02 times" in why
-    assert limit(free, 1e-10, "gap", error=2e-8).startswith(
-        "rounding of heights and slopes leaves the ends of a gap of 2.0e-03"
-    )
+    narrow = limit(free, 1e-10, "gap", error=2e-8)
+    assert narrow.startswith("rounding of heights and slopes makes the ends of a gap uncertain by")
+    assert "this gap has 2.0e-03 of the width" in narrow
     # An end error that is left by Newton's method does not come from round-off.
     free.end_error = free.end_error * 10
     assert limit(free, 1e-8, "gap", error=2e-8) == ""

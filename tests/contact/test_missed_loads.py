@@ -53,7 +53,7 @@ def test_a_load_that_is_alone_or_out_of_range_is_refused_as_by_solve() -> None:
 
 def test_all_missed_loads_are_named() -> None:
     loads = BIRTH.load * (1 + np.array([1e-9, 1e-8, 1e-1]))
-    with pytest.raises(contact.NotConverged, match=f"also missed: {loads[1]:.17g}"):
+    with pytest.raises(contact.NotConverged, match=f"also not converged at: {loads[1]:.17g}"):
         contact.solve_many(SCENE, loads, "load")
 
 

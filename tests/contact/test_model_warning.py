@@ -63,7 +63,7 @@ IN_GPA = scene(contact.Sinusoid(1e-6, L), 110.0, contact_fraction=0.1)
         ),
         (
             scene(contact.Flat(1.0), 1.0, ISOLATED, load=0.3),
-            ("mean contact pressure of 0.3 Pa, 0.3 of E*",),
+            ("mean contact pressure of 0.3 Pa, which is 0.3 E*",),
         ),
         (scene(contact.Sinusoid(0.02, 1.0), 1.0, mean_pressure=0.2), ("pressure of",)),
         (

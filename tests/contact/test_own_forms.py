@@ -140,12 +140,12 @@ def test_wrong_zones_and_wrong_positions_in_zones_are_refused_by_name():
     solution = contact.solve(SCENE)
     full = contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), mean_pressure=1e12))
     for ask, message in (
-        (lambda: solution.pressure_at(0.5, 5), "zone = 5 .* there being 1 zone"),
+        (lambda: solution.pressure_at(0.5, 5), "zone = 5 .* the solution has 1 zone"),
         (lambda: solution.pressure_at(0.5, 0.0), "zone = 0.0 .* whole number"),
         (lambda: solution.pressure_at([0.0, 1.5]), "t = .* from -1 to 1"),
         (
             lambda: full.pressure_at(0.5),
-            r"full contact, or surfaces apart, have no zones, use pressure\(x\)",
+            r"in full contact or with the surfaces apart there are no zones: use pressure\(x\)",
         ),
     ):
         with pytest.raises(contact.SceneError, match=message):

@@ -251,7 +251,7 @@ def test_a_loop_with_adhesion_states_its_dissipated_energy_and_is_drawn(tmp_path
         == 0
     )
     told = run(STICKY_TEXT, *arguments).stdout
-    assert "apart to 1" in told and "1 to apart" in told and "lost in all" in told
+    assert "apart to 1" in told and "1 to apart" in told and "energy lost in all jumps" in told
 
 
 def test_exactly_one_of_loads_mean_pressures_and_approaches_is_accepted():

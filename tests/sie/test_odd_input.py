@@ -210,7 +210,7 @@ def test_functions_stand_for_right_sides_and_columns_and_one_condition_for_a_tup
         (lambda: sie.Zones.of([[0, 1], [2]]), "zones must be an array"),
         (lambda: sie.Zones.of([[0, 1j]]), "zones must be real"),
         (lambda: sie.Zones.of([[0, 1e-200]]), "zones must be wider"),
-        (lambda: sie.Zones.of([[-1.7e308, 1.7e308]]), "finite length"),
+        (lambda: sie.Zones.of([[-1.7e308, 1.7e308]]), "last end must be finite"),
         (lambda: sie.Zones.of([[0, 1]], "free"), "kinds of ends"),
         (lambda: sie.Zones.of([[0, 1]], 5), "kinds of ends"),
         (lambda: sie.free_with_intensity(math.inf), "intensity"),

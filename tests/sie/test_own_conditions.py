@@ -338,10 +338,10 @@ def test_zone_totals_of_a_wrong_length_and_columns_that_are_not_there_are_refuse
     ):
         sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, (sie.ZoneTotals((1.0, 2.0, 3.0)),)), zones)
     conditions = (sie.Total(1.0), sie.EqualPotential(), sie.Amplitude(1))
-    with pytest.raises(ValueError, match="amplitude of column 1, but the equation has 1"):
+    with pytest.raises(ValueError, match=r"amplitude of column 1 .*, but the equation has 1"):
         sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, conditions, (CONSTANT,)), zones)
     with pytest.raises(
-        ValueError, match="Amplitude: its column must be a whole number from 0 on, got -1"
+        ValueError, match="Amplitude: its column must be a whole number of at least 0, got -1"
     ):
         sie.Amplitude(-1)
 

@@ -366,7 +366,7 @@ def test_the_slope_of_a_user_s_regular_kernel_gives_derivatives_of_the_transform
 
 def test_a_regular_kernel_that_is_not_analytic_is_refused():
     density = of_kernel(lambda x, xi: np.cos(np.abs(x - xi)) + np.real(x - xi))
-    with pytest.raises(ValueError, match="must be the analytic function"):
+    with pytest.raises(ValueError, match="must be the analytic continuation"):
         density.transform(np.array([0.1 + 0.3j]))
     with pytest.raises(ValueError, match="no potential"):
         density.potential(np.array([0.1 + 0.3j]))

@@ -68,7 +68,9 @@ class TestPartsThatAreValidForOneHalfOnly:
     EQUATION = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(1.0),))
 
     def test_the_rows_refuse_another_exponent(self):
-        with pytest.raises(ValueError, match="the rows of the equation: known for kappa = 0 only"):
+        with pytest.raises(
+            ValueError, match="the rows of the equation: implemented for kappa = 0 only"
+        ):
             sie.solve(self.EQUATION, on([[-1.0, 1.0]]))
         with pytest.raises(ValueError, match="the rows of the equation"):
             find_ends(self.EQUATION, on([[-1.0, 1.0]]))

@@ -205,13 +205,13 @@ def cannot_receive(given: bytes, here: str) -> str:
     The reason is the end of a sentence. here: version of `contact` in the sending process.
     """
     if version() != here:
-        return f"have sie-contact {version()}, and not {here}"
+        return f"have sie-contact {version()} instead of {here}"
     try:
         _received(given)
     except Exception as error:
         return (
-            f"cannot make the scene ({type(error).__name__}: {error}): "
-            "what it is made of belongs in a module that they can import"
+            f"cannot rebuild the scene ({type(error).__name__}: {error}): "
+            "define its classes and functions in a module that they can import"
         )
     return ""
 

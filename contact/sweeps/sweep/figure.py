@@ -34,7 +34,10 @@ def check_drawable(sizes: Mapping[str, int]) -> None:
     """
     several = [key for key, size in sizes.items() if size > 1]
     if len(several) > 2:
-        allowed = f"left out: {', '.join(several)} have several values, and a figure shows two keys"
+        allowed = (
+            f"left out: {', '.join(several)} have several values, and a figure shows at most two "
+            "such keys"
+        )
         raise SceneError.of("--plot", "given", allowed)
 
 

@@ -70,15 +70,17 @@ def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
     )
     for axis in axes:
         if axis.key == BRANCH and set(axis.values) - set(BRANCHES):
-            raise SceneError.of(BRANCH, over[BRANCH], f"words, of {' and '.join(BRANCHES)}")
+            raise SceneError.of(BRANCH, over[BRANCH], f"a list of {' or '.join(BRANCHES)}, or both")
     controls = [axis.key for axis in axes if axis.control]
     if len(controls) > 1:
         raise SceneError.of(
-            "over", " and ".join(controls), "one control: the others follow from it"
+            "over", " and ".join(controls), "only one control: the others follow from it"
         )
     turning = [axis.key for axis in axes if axis.key.removeprefix("control.") in TURNING]
     if len(turning) > 1:
-        raise SceneError.of("over", " and ".join(turning), "one of them: the other follows from it")
+        raise SceneError.of(
+            "over", " and ".join(turning), "only one of them: the other follows from it"
+        )
     return axes
 
 
@@ -170,7 +172,7 @@ def _values(key: str, given: Any, present: Any) -> tuple[Value, ...]:
         raise SceneError.of(key, given, allowed)
     twice = [value for place, value in enumerate(values) if value in values[:place]]
     if twice:
-        raise SceneError.of(key, given, f"{allowed}: {twice[0]!r} is there twice")
+        raise SceneError.of(key, given, f"{allowed}: {twice[0]!r} is given twice")
     return tuple(value for value in values if value is not None)
 
 

@@ -38,7 +38,7 @@ from contact.sweeps.sweep.chunks import (
     solved,
 )
 
-_ENDED = "the process that solved it ended, killed or out of memory"
+_ENDED = "the process that solved this point ended; it was probably killed or ran out of memory"
 # Environment variables that limit the linear algebra libraries to one thread in each process.
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -66,7 +66,7 @@ def solved_in_processes(
             given, why = _sent(pool, scene)
             if why:
                 warnings.warn(
-                    f"solved in this process alone, as other processes {why}",
+                    f"solved only in this process, because other processes {why}",
                     RuntimeWarning,
                     stacklevel=4,
                 )
@@ -90,7 +90,7 @@ def solved_in_processes(
                         break
         if why:
             warnings.warn(
-                f"solved in this process alone, as other processes {why}",
+                f"solved only in this process, because other processes {why}",
                 RuntimeWarning,
                 stacklevel=4,
             )
@@ -116,7 +116,7 @@ def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
     """The scene as bytes, and the reason why other processes cannot use it, or "" if they can."""
     script = getattr(sys.modules["__main__"], "__file__", None)
     if script is not None and not os.path.exists(script):
-        return b"", f"import the script first, and {script} is no file"
+        return b"", f"must import the script first, but {script} is not a file"
     try:
         given = pickle.dumps(scene)
     except Exception as error:
@@ -125,7 +125,7 @@ def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
         return given, str(_submitted(pool, cannot_receive, given, version()).result())
     except BrokenProcessPool:
         return given, (
-            "cannot be started: they import the script first, in which what calls contact belongs "
+            "cannot be started: they import the script first, so put the code that calls contact "
             "under `if __name__ == '__main__':`"
         )
 
@@ -299,12 +299,18 @@ class Cluster:
             return rows
         if future.status != "error":
             raise ContactError(
-                f"the scheduler is gone, or has given up: points are {future.status}"
+                f"the scheduler was closed or gave up: the status of points is {future.status!r}"
             )
         error = future.exception()
         if isinstance(error, self._distributed.KilledWorker):
             return [
-                (place, failure("every worker that solved it ended, killed or out of memory"))
+                (
+                    place,
+                    failure(
+                        "every worker that solved this point ended; it was probably killed or ran "
+                        "out of memory"
+                    ),
+                )
                 for place in chunk.places
             ]
         raise ContactError(

@@ -227,10 +227,7 @@ def _tell(table: Table) -> None:
     lines = [
         f"{len(places)} of {table.size} points {what}: "
         f"at {table.point(places[0])}: {table.words[word][places[0]]}"
-        for places, word, what in (
-            (failed, "reason", "failed"),
-            (odd, "warning", "are hardly covered by the model"),
-        )
+        for places, word, what in ((failed, "reason", "failed"), (odd, "warning", "have warnings"))
         if len(places)
     ]
     warn(lines, stacklevel=4)

@@ -25,7 +25,7 @@ from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, name_of
 from contact.sweeps.sweep.keys import tables as tables_of
 from sie import Mask
 
-_WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
+_WORDS = {"reason": "why a point failed", "warning": "warnings of the solution"}
 
 
 class Table:
@@ -151,8 +151,8 @@ class Table:
 
     def _other(self, path: Path, there: str, here: str) -> SceneError:
         allowed = (
-            f"of this scene and grid: its points are {there}, {here}; "
-            "name another file, or have this one written over"
+            f"a file of this scene and grid: its points are {there}, {here}; "
+            "name another file, or overwrite this one"
         )
         return SceneError.of("out", str(path), allowed)
 
@@ -246,7 +246,7 @@ def alone(path: Path) -> Iterator[None]:
         raise SceneError.of(
             "out",
             str(path),
-            "a file that no other sweep is writing: one is, and goes on; name another file",
+            "a file that no other sweep is writing; wait for the other sweep, or name another file",
         ) from error
     try:
         yield
