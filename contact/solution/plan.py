@@ -198,7 +198,7 @@ def plan(scene: Scene) -> Plan:
                 "no closure needs it",
             ),
             _part("kinks", kinks > 0, f"{kinks} declared", "none declared"),
-            _part("zone ends", not given, "unknown: Newton", "half width given"),
+            _part("zone ends", not given, "unknown: Newton's method", "half width given"),
             Part("slits", False, "no zones next to narrow gaps are known"),
             Part("fast sums", False, "few zones: the sums are computed directly"),
             Part("certificate", True, "always"),

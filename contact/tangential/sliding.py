@@ -95,7 +95,7 @@ def _found(context: SolveContext) -> Outcome:
         context.record_failure("zones without friction", outcome)
         outcome = _along_kappa(context, Start.of(smooth), outcome)
     if isinstance(outcome, Failure) and scene.given_load is None:
-        context.record_failure("kappa in steps", outcome)
+        context.record_failure("kappa raised in steps", outcome)
         near_by = _under_loads(context, smooth.load)
         outcome = outcome if near_by is None else _from(context, Start.of(near_by))
     if not isinstance(outcome, Failure):

@@ -265,8 +265,11 @@ def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
         compliance = None if control is None else control.compliance
         stability = least_eigenvalue(fields.second_variation(compliance))
     if error > TOLERANCES.edge_condition * max(1.0, fields.bending):
-        fault = f"the intensity at an end differs from that of the law by {error:.1e} of its value"
-        return _Equilibrium(error, stability, fault)
+        return _Equilibrium(
+            error,
+            stability,
+            f"the intensity at an end differs from that of the law by {error:.1e} of its value",
+        )
     if stability is not None and not stability > 0.0:
         fault = (
             f"not stable under a given {name}: the second variation of the energy is not positive"
