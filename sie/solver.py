@@ -233,8 +233,8 @@ class Solution:
             if isinstance(self.state, SecondKindState):
                 if any(one is not None for one in (dkernel, dends, dintensities)):
                     raise ValueError(
-                        "with kappa the derivatives by the kernel, by fixed ends and by "
-                        "intensities are not known: only those by dg and values"
+                        "with kappa the derivatives by dkernel, dends and dintensities are not "
+                        "known: only those by dg and values"
                     )
                 change = Change.of(self.state, dg, values)
                 return SecondKindLinearized(self.state, change).derivative()
@@ -355,7 +355,7 @@ class NotConverged(ArithmeticError):
     ...     sie.solve(hertz, sie.Zones.of([[-1.0, 2.0]]), max_steps=1)
     ... except sie.NotConverged as stopped:
     ...     print(stopped.reason, stopped.best.zones.table.shape)
-    the ends did not come to rest in 2 steps (1, 2)
+    the ends did not converge in 2 steps (1, 2)
     """
 
     def __init__(self, reason: str, best: Solution | None = None) -> None:
@@ -435,7 +435,7 @@ def _solve(equation: Equation, zones: Zones, tol: float, solutions: Iterator[Sol
     except SingularSystem as error:
         if zones.moves.any() and _solvable(equation, zones):
             raise NotConverged(
-                f"the search for the ends came to zones on which there is no solution: {error}"
+                f"the search for the ends reached zones on which there is no solution: {error}"
             ) from error
         raise ValueError(f"{error}") from error
     if found.error <= tol:
@@ -449,7 +449,7 @@ def _check_problem(equation: Equation, zones: Zones, tol: float) -> None:
         raise ValueError(f"the equation must be a sie.Equation, got {type(equation).__name__}")
     if not isinstance(zones, Zones):
         raise ValueError(
-            "the zones must be sie.Zones, as sie.Zones.of([[a, b]], left, right) makes them, got "
+            "the zones must be sie.Zones, such as sie.Zones.of([[a, b]], left, right), got "
             f"{type(zones).__name__}"
         )
     if not (inputs.is_number(tol) and 0 < tol < 1):
@@ -458,14 +458,15 @@ def _check_problem(equation: Equation, zones: Zones, tol: float) -> None:
 
 def _check_search(value: float, signs: tuple[float, float], max_steps: int) -> None:
     """Raise ValueError for a first guess, signs or number of steps that are not valid."""
-    inputs.number("the first guess of the unknown value", value)
+    inputs.number("value, the first guess of the unknown value,", value)
     if not (
         isinstance(signs, tuple | list)
         and len(signs) == 2
         and all(inputs.is_number(sign) and sign in (-1, 1) for sign in signs)
     ):
         raise ValueError(
-            "signs must be two of 1 and -1, of the density beside left and beside right ends, got "
+            "signs must be a pair of 1 or -1, the signs of the density beside left and right ends, "
+            "got "
             f"{inputs.shown(signs)}"
         )
     inputs.whole("max_steps", max_steps, 1)
@@ -555,7 +556,7 @@ def _reason(found: Solution, tol: float) -> str:
     if search is not None and not search.converged:
         return reasons.of_search(search)
     reason = reasons.of_error(found.state, search, tol)
-    return f"the error has come to {found.error:.1e}, not to {tol:.1e}: {reason}"
+    return f"the stated error is {found.error:.1e}, above tol = {tol:.1e}: {reason}"
 
 
 def _unresolvable(equation: Equation, zones: Zones, tol: float) -> bool:

@@ -200,7 +200,10 @@ def _add_regular(
     """Add, to the table `out`, the fields at points x that the kernel's regular part causes."""
     regular = kernel.regular_potential if potential else kernel.regular
     if regular is None:
-        raise ValueError("a condition on potentials needs the regular kernel's potential")
+        raise ValueError(
+            "a condition on potentials needs the potential of the regular kernel: "
+            "sie.Smooth(value, potential)"
+        )
     panels = panels_over(kernel, zones)
     if panels is not None:
         moments = _panel_moments(zones, panels, layout, potential)

@@ -40,12 +40,14 @@ def domain_limit(zones: Zones, equation: Equation, delta: Array) -> DomainLimit:
     if not names:
         return DomainLimit(False, "")
     low, high = _interval(zones, equation)
-    where = ", and may come back"
+    where = ", although the root may lie inside"
     if is_close:
-        part = f"{modes.least_distance():.1g} of the zone"
-        where = f": the root lies at or beyond it, or nearer to it than {part}"
-    limit = f"within=({low:.6g}, {high:.6g}){where}"
-    return DomainLimit(is_close, f"{' and '.join(names)} would pass the limit {limit}")
+        part = f"{modes.least_distance():.1g} of the zone's width"
+        where = f": the root lies outside, at a limit, or nearer to it than {part}"
+    limit = f"({low:.6g}, {high:.6g}) set by `within` or `until`{where}"
+    return DomainLimit(
+        is_close, f"in the next step {' and '.join(names)} would leave the interval {limit}"
+    )
 
 
 def border_distances(zones: Zones, equation: Equation) -> Array:

@@ -595,7 +595,10 @@ def end_motions(state: State, change: Array) -> tuple[Array, Array]:
     motions = motions_of(state)
     found = motions.meeting(motions.of(change), 0.0)
     if not np.isfinite(found).all():
-        raise SingularSystem("some motion of the ends leaves the intensities as they are")
+        raise SingularSystem(
+            "some motion of the ends does not change the intensities, so they do not determine the "
+            "ends"
+        )
     return motions.spread(found), motions.rates(found)[1]
 
 

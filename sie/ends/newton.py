@@ -49,18 +49,19 @@ from sie.states.state import State
 # would do as well.
 MANY_UNKNOWNS = 256
 
-_CONVERGED = "the ends are at rest"
+_CONVERGED = "the ends have converged"
 _UNSTABLE = (
-    "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
+    "the ends have converged to an unstable root: displaced ends do not return to it, and another "
+    "root may be near"
 )
-_UNRESOLVED = "a column or the kernel's regular part varies more than the modes of a zone show"
+_UNRESOLVED = "the modes of a zone do not resolve a column or the kernel's regular part"
 _HARDLY_RESOLVED = (
-    "many modes of a zone hardly resolve the density: a gap is narrow, or one zone has become far "
-    "wider than the others"
+    "even many modes of a zone hardly resolve the density: a gap is narrow, or one zone has become "
+    "far wider than the others"
 )
 _UNDETERMINED = (
-    "some motion of the ends, as of all of them together, leaves the intensities as they are, or "
-    "changes them so little that rounding hides it: these do not tell the ends"
+    "the intensities do not determine the ends: some motion of the ends, for example of all ends "
+    "together, changes the intensities by no more than rounding"
 )
 
 
@@ -110,7 +111,7 @@ class Free:
     >>> hertz = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(np.pi / 2),))
     >>> free = sie.find_ends(hertz, sie.Zones.of([[-0.5, 2.0]]))
     >>> free.converged, free.stable, free.reason
-    (True, True, 'the ends are at rest')
+    (True, True, 'the ends have converged')
     """
 
     state: AnyState
@@ -380,7 +381,7 @@ class _Search:
         if np.isfinite(motion.delta).all():
             return motion
         if motion.branch is None:
-            raise SingularSystem("no motion of the ends meets the condition on them")
+            raise SingularSystem("no motion of the ends satisfies the condition on the ends")
         return None
 
     def _moved(self, state: AnyState, motion: NewtonStep, rest: Convergence) -> Free | None:
@@ -414,7 +415,7 @@ class _Search:
                 self.zones, modes.gaps(self.zones, equation.kernel)[1], kept
             )
             return None
-        change = "a zone has shrunk away" if len(lost) else "a gap has closed"
+        change = "a zone has vanished" if len(lost) else "a gap has closed"
         reason = "; ".join(filter(None, [change, self.progress.past_fold]))
         return replace(
             self._result(state, motion, rest, reason), value=self.value, lost=lost, met=met
@@ -507,15 +508,15 @@ class _Search:
         if border.reached:
             return border.reason
         steps = len(self.progress.trace)
-        reason = self.progress.past_fold or f"the ends did not come to rest in {steps} steps"
+        reason = self.progress.past_fold or f"the ends did not converge in {steps} steps"
         reason = f"{reason}; {border.reason}" if border.reason else reason
         if motion.certain:
             return reason
         zone = int(np.flatnonzero(motion.weak)[0])
         return (
-            f"{reason}; beside an end of zone {zone} (counted from 0) the density has not the sign "
-            "given by `signs`: it takes other zones, other signs or more steps, or there is no "
-            "such density"
+            f"{reason}; beside an end of zone {zone} (counted from 0) the density does not have "
+            "the sign given by `signs`: start from other zones, give other signs or allow more "
+            "steps; there may also be no such density"
         )
 
 

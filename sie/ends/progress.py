@@ -265,7 +265,7 @@ class Progress:
             return ""
         residual = min(branch.residual for branch in self.branches)
         return (
-            "the intensities asked for may lie past a fold: nearer to them than "
-            f"{residual:.3g} the search did not come, on both sides of where ends turn from stable "
-            "to unstable"
+            "the prescribed intensities may lie past a fold, at which ends turn from stable to "
+            "unstable: on both sides of the fold, an intensity still differed from the prescribed "
+            f"one by at least {residual:.3g}"
         )

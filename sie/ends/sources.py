@@ -93,7 +93,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     density, layout, system = state.density, state.system.layout, state.system
     zones, kernel = density.zones, density.kernel
     if zones.symmetric:
-        raise ValueError("sources are for zones that are all solved for")
+        raise ValueError("sources need zones that are all solved: use symmetric=False")
     at, cases = np.asarray(at, dtype=float), strengths.shape[1]
     poles, a, b = np.array(kernel.poles), zones.a[:, None, None], zones.b[:, None, None]
     seen = outside(a, b, at[:, None] + poles)  # (Z, S, poles)

@@ -131,8 +131,8 @@ def _real(
     values = np.asarray(returned)
     if values.dtype.kind == "c" and not or_complex:
         raise ValueError(
-            f"{name} is complex: with a real kappa only real equations are solved, its real and "
-            "imaginary part one by one"
+            f"{name} must return real numbers, got complex ones: if this is a right side, "
+            "solve one equation for its real part and one for its imaginary part"
         )
     if values.dtype.kind not in ("fiubc" if or_complex else "fiub"):
         raise ValueError(f"{name} must return numbers, got {type(returned).__name__} for {given}")
@@ -238,9 +238,9 @@ def _check_degree(name: str, weight: Callable[[Array], Array], degree: int, zone
         beyond = size[degree + 1 :].max()
         if beyond > HALF_DIGITS * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
-                f"{name} is no polynomial of degree {degree}: on zone {zone} (counted from 0) "
-                f"{beyond / size.max():.1e} of it is of a "
-                "higher degree; give its degree, or none"
+                f"{name} is not a polynomial of degree {degree}: on zone {zone} (counted from 0) "
+                f"it has terms of higher degree, {beyond / size.max():.1e} of the largest term; "
+                "give its true degree, or leave the degree out"
             )
 
 
@@ -260,8 +260,8 @@ def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
         if beyond > HALF_DIGITS * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
                 f"{name} has more than modes={modes} modes: on zone {zone} (counted from 0) "
-                f"{beyond / size.max():.1e} of it is "
-                "beyond these; leave modes out"
+                f"further modes reach {beyond / size.max():.1e} of the largest mode; give more modes, "
+                "or leave `modes` out"
             )
 
 
@@ -296,8 +296,8 @@ def _check_lag(kernel: Kernel, x: Array, half: Array) -> None:
     worst = int(np.argmax(difference))
     if difference[worst] > HALF_DIGITS * size + rounding:
         raise ValueError(
-            "the kernel's regular part is said to depend on x - xi alone (of_lag=True), but for x "
-            f"- xi = {lag[worst]:.6g} it is "
+            "the kernel's regular part is declared to depend on x - xi alone (of_lag=True), but "
+            f"for x - xi = {lag[worst]:.6g} it is "
             f"{values[0][worst]:.6g} at xi = {source[worst]:.6g} and {values[1][worst]:.6g} at xi "
             f"= {source[worst] + shift:.6g}"
         )
@@ -310,10 +310,9 @@ def _check_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
     worst = int(np.argmax(difference))
     if np.isfinite(difference).all() and difference[worst] > MAX_ASYMMETRY * size:
         raise ValueError(
-            f"zones with symmetric=True need data that are mirror images too, but {name} is not "
-            f"odd: at x = {x[worst]:.6g} and at "
-            f"{-x[worst]:.6g} it differs from being so by {difference[worst]:.3g}; solve all "
-            "of the zones, symmetric=False"
+            f"zones with symmetric=True need odd functions, but {name} is not odd: its values at "
+            f"x = {x[worst]:.6g} and at x = {-x[worst]:.6g} should add up to 0, but the size of "
+            f"their sum is {difference[worst]:.3g}; use symmetric=False"
         )
 
 

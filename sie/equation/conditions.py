@@ -142,21 +142,21 @@ def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, 
     given, numbers = condition.rows(system), system.zones.weight.numbers
     if not isinstance(given, tuple) or len(given) != 3:
         raise ValueError(
-            f"{condition}: `rows` must return three things, (matrix, constants, values)"
+            f"{condition}: `rows` must return a tuple of three, (matrix, constants, values)"
         )
     for name, part in zip(("matrix", "constants", "values"), given, strict=True):
         if np.iscomplexobj(part) and numbers is float:
             raise ValueError(
-                f"{condition}: the {name} of its `rows` are complex, real numbers are needed "
-                "unless the equation has a complex kappa"
+                f"{condition}: the {name} that its `rows` returns must be real, unless the "
+                "equation has a complex kappa"
             )
     matrix, constants, values = (np.asarray(part, dtype=numbers) for part in given)
     count = condition.count(system.zones)
     if matrix.shape != (count, size) or constants.shape != (count,) or values.shape != (count,):
         raise ValueError(
-            f"{condition}: its `count` is {count}, so that its `rows` must have shapes ({count}, "
-            f"{size}), ({count},) and ({count},), "
-            f"but they have {matrix.shape}, {constants.shape} and {values.shape}"
+            f"{condition}: its `count` is {count}, so its `rows` must return arrays of the shapes "
+            f"({count}, {size}), ({count},) and ({count},), "
+            f"got {matrix.shape}, {constants.shape} and {values.shape}"
         )
     return matrix, constants, values
 
@@ -477,7 +477,7 @@ class ZoneTotals(Condition):
             half = " (the right half of a symmetric set)" if system.zones.symmetric else ""
             raise ValueError(
                 f"ZoneTotals: {len(constants)} zones are solved{half}, "
-                f"so one value or {len(constants)} of them are needed, got values of shape "
+                f"so give one value or {len(constants)} values, got values of the shape "
                 f"{values.shape}"
             )
         return matrix, constants, np.broadcast_to(values, constants.shape)

@@ -66,11 +66,14 @@ def _check_kernel(kernel: Any) -> None:
     if isinstance(kernel, Kernel):
         return
     if kernel in MAKERS:
-        raise ValueError(f"the kernel is what sie.{kernel.__name__}(...) returns: call it")
+        raise ValueError(
+            f"the kernel must be the result of sie.{kernel.__name__}(...), got the function "
+            "itself: call it"
+        )
     if isinstance(kernel, Smooth) or callable(kernel):
         raise ValueError(
-            "a smooth kernel alone makes no singular integral equation, and one that is ill-posed: "
-            "add it to sie.cauchy()"
+            "an equation with a smooth kernel alone is not singular, and is ill-posed: add the "
+            "smooth kernel to sie.cauchy()"
         )
     raise ValueError(
         f"the kernel must be a sie.Kernel, such as sie.cauchy(), got {inputs.shown(kernel)}"
@@ -147,15 +150,18 @@ class Equation(Kept):
                 end_condition, type
             ):
                 raise ValueError(
-                    "a condition on the ends is one such as sie.TotalWidth(1.0), got "
+                    "a condition on the ends must be an object with a `residual` method, such as "
+                    "sie.TotalWidth(1.0), got "
                     f"{inputs.shown(end_condition)}"
                 )
         if any(len(column.jumps) for column in self.columns):
             raise ValueError(
-                "a column of unknown amplitude must be smooth: jumps belong to the right side"
+                "a column of unknown amplitude must be smooth: only the right side may have jumps"
             )
         if self.forcing.density_jumps and any(condition.levels for condition in self.conditions):
-            raise ValueError("a condition on potentials is for right sides without logarithms")
+            raise ValueError(
+                "a condition on potentials cannot be combined with declared jumps of the density"
+            )
 
     @cached_property
     def within(self) -> tuple[float, float]:
@@ -178,15 +184,16 @@ class Equation(Kept):
         kappa = np.asarray(self.kappa)
         if np.iscomplexobj(kappa) and zones.moves.any():
             raise ValueError(
-                "with a complex kappa ends cannot be free: densities oscillate next to them and "
-                "have no sign; give each end, as sie.SINGULAR or sie.BOUNDED"
+                "with a complex kappa ends cannot be free, since the density oscillates next to "
+                "the ends and has no sign: declare each end as sie.SINGULAR or sie.BOUNDED"
             )
         if np.iscomplexobj(kappa) and zones.have_values:
-            raise ValueError(
-                "with a complex kappa densities with a given value at an end are not known"
-            )
+            raise ValueError("with a complex kappa the density cannot have a given value at an end")
         if kappa.ndim and kappa.shape != (len(zones),):
-            raise ValueError(f"kappa has {len(kappa)} values for {len(zones)} zones")
+            raise ValueError(
+                f"kappa has {len(kappa)} values for {len(zones)} zones: give one number, or one "
+                "for each zone"
+            )
         return replace(zones, weight=Weight(np.broadcast_to(kappa, len(zones)).copy()))
 
     @property
@@ -214,8 +221,8 @@ class Equation(Kept):
         images = [shift for shift in self.kernel.poles if shift > 0]
         if images and not zones.b[-1] - zones.a[0] < min(images):
             raise ValueError(
-                f"the zones reach over {zones.b[-1] - zones.a[0]:.6g}, the period is "
-                f"{min(images):.6g}"
+                f"the zones extend over {zones.b[-1] - zones.a[0]:.6g}, but must extend over less "
+                f"than the period {min(images):.6g}"
             )
         first = int(zones.solved[0])
         ends = [*zones.left[first:], *zones.right[first:]]
@@ -237,9 +244,8 @@ class Equation(Kept):
         names = ", ".join(str(c) for c in (*self.conditions, *self.end_conditions)) or "none"
         if opened > 1 or opened != len(self.end_conditions):
             raise CountError(
-                f"{opened} conditions of unknown value need as many conditions on the ends (at "
-                "most one), "
-                f"got {len(self.end_conditions)}"
+                f"{opened} side conditions have an unknown value (at most one may), so give as "
+                f"many conditions on the ends, got {len(self.end_conditions)}"
             )
         if given != unknowns:
             what = (
@@ -252,7 +258,7 @@ class Equation(Kept):
                 "unknown amplitudes, "
                 f"{opened} unknown values) but {given} are given ({names}): {what}"
                 + (
-                    "; bounded ends ask for as many columns of unknown amplitude, or for other ends"
+                    "; add columns of unknown amplitude, or make some bounded ends singular"
                     if unknowns < 0
                     else ""
                 )

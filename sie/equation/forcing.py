@@ -30,8 +30,8 @@ def _for_each(name: str, count: int, values: Any) -> Array:
         return np.full(count, table[0])
     if len(table) != count:
         raise ValueError(
-            f"{name}: one for each position is needed, or one for all; got {len(table)} for "
-            f"{count} positions"
+            f"{name} must be one number for each position, or one number for all positions, got "
+            f"{len(table)} numbers for {count} positions"
         )
     return table
 
@@ -50,8 +50,8 @@ def _orders(name: str, count: int, values: Any) -> Index:
     table = _for_each(name, count, values)
     if not np.isin(table, np.arange(HIGHEST + 1)).all():
         raise ValueError(
-            f"{name} must be 0, 1 or 2, the derivative that jumps; leave jumps of higher ones out, "
-            f"got {inputs.shown(values)}"
+            f"{name} must be 0, 1 or 2 (the order of the derivative that jumps), got "
+            f"{inputs.shown(values)}; leave out jumps of higher derivatives"
         )
     return table.astype(np.intp)
 
@@ -321,7 +321,10 @@ class Forcing(Kept):
         )
         if zones.have_values:
             if found.logarithms is not None:
-                raise ValueError("jumps of the density and ends with a value: declare one of them")
+                raise ValueError(
+                    "jumps of the density cannot be combined with given values at ends: declare "
+                    "only one of the two"
+                )
             found = replace(found, logarithms=Logarithms.of_plateaus(zones, kernel))
         poles = Poles.of(zones, jumps.algebraic, kernel.period, jumps.of_density)
         return replace(found, poles=poles) if len(poles) else found

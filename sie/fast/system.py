@@ -65,19 +65,19 @@ def _gauss_legendre() -> tuple[Array, Array, Array]:
 def unfit(equation: Equation, zones: Zones) -> str | None:
     """The reason, as a message, why fast sums do not apply to the equation; None if they do."""
     if len(zones.solved) < 2:
-        return "one zone is too few"
+        return "fast sums need at least two zones"
     needs_half(zones.weight, "fast sums")
     if not reaches(equation.kernel, zones):
-        return "the kernel is too general"
+        return "fast sums do not support this kernel"
     per_zone = [c for c in equation.conditions if by_zone(c, zones) is not None]
     if (
         sum(c.count(zones) for c in equation.conditions if c not in per_zone)
         > _OPTIONS.max_dense_conditions
     ):
-        return "there are too many conditions that are of no zone by itself"
+        return "too many rows of side conditions act on several zones"
     held = sorted(sum(zones.fixed_bounded, []))
     if len(per_zone) + bool(held) != 1 or (held and held != list(range(len(zones.solved)))):
-        return "every zone needs one condition of its own, all of one kind"
+        return "fast sums need one condition for each zone, of the same kind for all zones"
     return None
 
 
@@ -100,7 +100,10 @@ class IterativeSystem(System):
         self.rough = rough
         kernel = equation.kernel
         if kernel.regular is not None and kernel.regular_potential is None and self.wants_levels:
-            raise ValueError("a condition on potentials needs the regular kernel's potential")
+            raise ValueError(
+                "a condition on potentials needs the potential of the regular kernel: "
+                "sie.Smooth(value, potential)"
+            )
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
         self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}
         columns = [

@@ -60,9 +60,9 @@ def is_graded(equation: Equation, zones: Zones) -> bool:
     left = np.exp(-modes.OPTIONS.max_modes * modes.decay(zones, equation.kernel).min())
     if unknowns > OPTIONS.max_unknowns and left > modes.OPTIONS.nearly_decayed:
         raise TooLarge(
-            f"{len(zones)} zones beside gaps down to {after.min():.1e} need {unknowns} unknowns or "
-            f"more, and at most {OPTIONS.max_unknowns} can be solved for: take fewer zones, or "
-            "wider gaps"
+            f"{len(zones)} zones with gaps as narrow as {after.min():.1e} need at least {unknowns} "
+            f"unknowns, but at most {OPTIONS.max_unknowns} are possible: use fewer zones or wider "
+            "gaps"
         )
     return unknowns <= OPTIONS.max_unknowns
 
@@ -353,21 +353,23 @@ class GradedState(Answered):
         n = int(self.system.sizes[zone])
         if self.tails[zone] > 0.1 * tol and OPTIONS.growth * self.coupled > OPTIONS.max_unknowns:
             return (
-                f"{self.coupled} unknowns leave {self.tails[zone]:.1e} on zone {zone} (counted "
-                f"from 0), and at most {OPTIONS.max_unknowns} can be solved for with narrow gaps "
-                "beside fixed ends: take fewer zones, or wider gaps"
+                f"with {self.coupled} unknowns the last modes on zone {zone} (counted from 0) are "
+                f"still {self.tails[zone]:.1e} of the largest, and at most {OPTIONS.max_unknowns} "
+                "unknowns are possible with narrow gaps beside fixed ends: use fewer zones or "
+                "wider gaps"
             )
         if self.tails[zone] > 0.1 * tol:
             return (
                 f"on zone {zone} (counted from 0), which lies beside a narrow gap, the last of {n} "
                 f"modes is {self.tails[zone]:.1e} of the largest: the right side, a column or the "
-                "kernel varies too fast for them, is rounded or noisy, or jumps"
+                "kernel varies too fast for these modes, is rounded or noisy, or jumps"
             )
         rounding = EPS * float(self.row_sizes.max())
         return (
-            f"the zones lie beside narrow gaps: rounding of the size {rounding:.1e} in the rows of "
-            f"the equation and of the side conditions changes charges of the size "
-            f"{self.charge_sizes.max():.1e} by {float(self._errors[2].max()):.1e}"
+            f"rounding limits the accuracy beside narrow gaps: rounding errors of {rounding:.1e} "
+            "in the equation and in the side conditions change the charges (weighted values of the "
+            f"density), of the size {self.charge_sizes.max():.1e}, by "
+            f"{float(self._errors[2].max()):.1e}"
         )
 
 

@@ -266,7 +266,10 @@ class GradedSystem(Rows, Kept):
             out += part - np.log(kernel.datum)
         if kernel.regular is not None:
             if kernel.regular_potential is None:
-                raise ValueError("a condition on potentials needs the regular kernel's potential")
+                raise ValueError(
+                    "a condition on potentials needs the potential of the regular kernel: "
+                    "sie.Smooth(value, potential)"
+                )
             out += regular_values(kernel, self.positions(zone, places), self.source_x, True)
         return out * self.weights
 

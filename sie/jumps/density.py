@@ -108,7 +108,9 @@ class DensityJumps(ForcingJumps):
         return np.zeros(left.shape)
 
     def mean_offsets(self, zones: Zones) -> Array:
-        raise ValueError("a condition on potentials is for right sides without logarithms")
+        raise ValueError(
+            "a condition on potentials cannot be combined with declared jumps of the density"
+        )
 
     # The methods below give the part of the density that has the jumps.
     def integral_of(self, k: Index, left: Array, right: Array) -> Array:

@@ -152,8 +152,8 @@ class PlacedJumps(PerZone):
         """
         if np.any(self.order[k] > 0):
             raise ValueError(
-                "the integral along a zone is for kinks alone, or for densities without jumps of "
-                "the right side"
+                "the integral along a zone is not known for jumps of derivatives of the right "
+                "side: only the right side itself may jump"
             )
         away = left - self.left[k]
         with np.errstate(invalid="ignore"):

@@ -105,14 +105,20 @@ def _in_gap(
         return [(begin, end, one.value)]
     if rest:
         raise ValueError(
-            f"in the gap after zone {i} (-1: before the first one) a plateau begins and does not "
-            "end: give the same value at both ends of the gap, or `until`"
+            f"in the gap after zone {i} (-1: before the first zone) a plateau has only one end: "
+            "give the same value at both ends of the gap, or set `until`"
         )
     places = [p for plateau in out for p in plateau[:2]]
     if any(begin >= end for begin, end, _ in out) or places != sorted(places):
-        raise ValueError(f"in the gap after zone {i} `until` lies on the wrong side of the end")
+        raise ValueError(
+            f"in the gap after zone {i} `until` lies on the wrong side of the zone's end, or two "
+            "plateaus overlap"
+        )
     if places and not (begin <= places[0] and places[-1] <= end):
-        raise ValueError(f"in the gap after zone {i} a plateau reaches into the next zone")
+        raise ValueError(
+            f"in the gap after zone {i} a plateau reaches into the zone on the other side: move "
+            "`until` into the gap"
+        )
     return out
 
 
@@ -201,8 +207,8 @@ class Logarithms(Kept):
             return np.asarray(0.5j * np.pi - 0.5 * turn * away + np.log1p(-q))
         if kernel.regular is not None:
             raise ValueError(
-                f"the {what} of plateaus at complex points is known for poles alone"
-                + ("" if what == "potential" else ", and for Hilbert's kernel")
+                f"at complex points the {what} of plateaus needs a kernel without a regular part"
+                + ("" if what == "potential" else ", or sie.hilbert(L)")
             )
         out = np.zeros(away.shape, dtype=complex)
         for pole in kernel.poles:

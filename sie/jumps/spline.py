@@ -202,10 +202,12 @@ class QuadraticSpline(Kept):
 
     @property
     def mean_offset(self) -> float:
-        raise ValueError("a condition on potentials is for right sides without logarithms")
+        raise ValueError(
+            "a condition on potentials cannot be combined with declared jumps of the density"
+        )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
-        raise ValueError("the potential of a spline of the density is no closed form")
+        raise ValueError("the potential of a spline of the density has no closed form")
 
     def transform_off(self, z: Array, rho: Array) -> Array:
         """Transform of the spline at points z off the zone (half widths from the middle)."""
@@ -556,8 +558,8 @@ class ConjugateSpline(Kept):
 
     def integral(self, left: Array) -> Array:
         raise ValueError(
-            "the integral along a zone is for kinks alone, or for densities without jumps of the "
-            "right side"
+            "the integral along a zone is not known for jumps of derivatives of the right side, "
+            "as in a spline: only the right side itself may jump"
         )
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:

@@ -41,8 +41,8 @@ def unit_length(kernel: Kernel) -> float:
     if kernel.period is not None and kernel == hilbert(kernel.period):
         return kernel.period / (2 * math.pi)
     raise ValueError(
-        "a capacity belongs to the potential of sie.cauchy(), or of sie.hilbert(L): then it is "
-        "that of arcs of a circle with the circumference L"
+        "a capacity needs the kernel sie.cauchy(), or sie.hilbert(L) for the capacity of arcs of a "
+        "circle with the circumference L"
     )
 
 
@@ -51,26 +51,26 @@ def capacity_of(state: AnyState, error: float) -> float:
     `error` is the relative error of the solution.
     """
     if state.equation.second_kind:
-        raise ValueError("a capacity belongs to an equation with kappa = 0")
+        raise ValueError("a capacity needs an equation with kappa = 0")
     density = state.density
     unit = unit_length(density.kernel)
     zones = density.zones
     x = (zones.middle[:, None] + zones.half[:, None] * np.array(OPTIONS.places)).ravel()
     if np.any(state.right_side(x) != 0.0):
         raise ValueError(
-            "a capacity belongs to the right side zero, so that the potential is constant on each "
-            "zone; here it is not zero"
+            "a capacity needs the right side zero, so that the potential is constant on each zone; "
+            "this right side is not zero"
         )
     potential, total = density.potential(x), density.total
     size = max(float(np.pi * zones.half @ np.abs(state.zone_sizes)), abs(total))
     slack = OPTIONS.margin * error
     if not abs(total) > slack * size:
-        raise ValueError("a capacity needs a density whose total is not zero: sie.Total(1.0)")
+        raise ValueError("a capacity needs a density whose total is not zero: use sie.Total(1.0)")
     level = np.pi * potential / total
     if not np.ptp(level) <= slack * max(1.0, np.abs(level).max()) * size / abs(total):
         raise ValueError(
-            "a capacity needs one potential on all zones: ends sie.SINGULAR with the conditions "
-            "sie.Total(1.0) and sie.EqualPotential(); here pi times the potentials over the total "
-            f"differ by {np.ptp(level):.3g}"
+            "a capacity needs one potential on all zones: use ends sie.SINGULAR and the conditions "
+            "sie.Total(1.0) and sie.EqualPotential(); here pi * potential / total varies by "
+            f"{np.ptp(level):.3g}"
         )
     return float(unit * math.exp(level.mean()))

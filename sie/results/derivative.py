@@ -146,18 +146,23 @@ class Change:
             forcing = _with_kernel(forcing, _kernel_field(density, dkernel))
         moved = table_of("dends", dends, (len(zones), 2)).T * [[-1.0], [1.0]]
         if np.any(moved[zones.moves]):
-            raise ValueError("dends: free ends follow from the problem; give zero for them")
+            raise ValueError(
+                "dends must be zero for free ends, since free ends follow from the problem"
+            )
         if zones.symmetric and np.any(moved != moved[::-1, ::-1]):
-            raise ValueError("dends: symmetric zones need motions that are mirror images")
+            raise ValueError("dends of symmetric zones must be mirror images")
         k = table_of("dintensities", dintensities, (2, len(zones)))
         if np.any(k[np.isnan(zones.intensities)]):
-            raise ValueError("dintensities: the intensity at singular ends follows; give zero")
+            raise ValueError(
+                "dintensities must be zero at singular ends, since the intensity there follows "
+                "from the problem"
+            )
         rows, of_ends = _values(state.equation, zones, values)
         moments = any(isinstance(one, ZoneMoments) for one in state.equation.conditions)
         if moments and (moved.any() or zones.moves.any()):
             raise ValueError(
-                "ZoneMoments is about the middles of the zones, which move with the ends: state "
-                "the condition by sie.Weighted or sie.moment"
+                "ZoneMoments takes moments about the middles of the zones, which move with the "
+                "ends: use sie.Weighted or sie.moment instead"
             )
         return cls(forcing, rows, of_ends, moved, k)
 
@@ -186,7 +191,7 @@ def _values(
     values = [0.0] * len(names) if given is None else _several(given)
     if len(values) != len(names):
         raise ValueError(
-            f"values: one for each of the {len(names)} conditions is needed "
+            f"values must have one entry for each of the {len(names)} conditions "
             f"({', '.join(map(str, names))}), got {inputs.shown(given)}"
         )
     rows = []
@@ -297,8 +302,8 @@ def without_slits(state: AnyState, value: float | None, factors: bool = False) -
         found = found.with_value(opened, value or 0.0)
     if not isinstance(state, State) and found.density_error > OPTIONS.max_error:
         raise ValueError(
-            "gaps between the zones are too narrow for this derivative: without slits and graded "
-            f"coordinates the error of the solution is {found.density_error:.1e}"
+            "gaps between the zones are too narrow for this derivative: it needs a solution "
+            f"without slits and graded coordinates, which has an error of {found.density_error:.1e}"
         )
     return found.with_bounded_ends()
 
@@ -323,7 +328,10 @@ def end_rates_of(density: AnyDensity, lack: Array) -> Array:
     zones = density.zones
     slopes = np.array(density.edge_slopes)
     if np.any(slopes[zones.moves] == 0.0):
-        raise SingularSystem("beside a free end the density does not grow as sqrt(distance)")
+        raise SingularSystem(
+            "beside a free end the density does not grow as sqrt(distance), so the motion of the "
+            "end is not determined"
+        )
     rates = zones.weight.end_step(-lack, np.where(zones.moves, slopes, 1.0))
     return np.where(zones.moves, rates, 0.0)
 
@@ -363,7 +371,9 @@ class LinearEquations:
         normal = np.array(equation.end_conditions[0].residual(self.zones)[1:])
         rate = float((normal * (more_outward - outward)).sum())
         if rate == 0.0:
-            raise SingularSystem("the condition on the ends does not depend on the open value")
+            raise SingularSystem(
+                "the unknown value of the side condition has no effect on the condition on the ends"
+            )
         value = (self.change.of_ends - float((normal * outward).sum())) / rate
         return y + value * (more_y - y), outward + value * (more_outward - outward), value
 
@@ -465,7 +475,10 @@ class Linearized(LinearEquations):
             motions = motions_of(self.state)
             found = motions.meeting(motions.of(lack), 0.0)
             if not np.isfinite(found).all():
-                raise SingularSystem("some motion of the ends leaves the intensities as they are")
+                raise SingularSystem(
+                    "some motion of the ends does not change the intensities, so they do not "
+                    "determine the ends"
+                )
             outward = outward + motions.spread(found)
             return self.unknowns(right, outward), outward
         return y, outward + end_rates_of(self.state.density, lack)

@@ -53,10 +53,13 @@ class Functional:
         inputs.function("the weight", weight, optional=True)
         zones = state.density.zones
         if zones.symmetric:
-            raise ValueError("a gradient is for zones that are all solved: symmetric=False")
+            raise ValueError("a gradient needs zones that are all solved: use symmetric=False")
         of_k = table_of("intensities", intensities, (2, len(zones)))
         if np.any(of_k[~np.isnan(zones.intensities)]):
-            raise ValueError("intensities: only those at singular ends depend on the data")
+            raise ValueError(
+                "intensities must be zero except at singular ends: at other ends the intensity is "
+                "given"
+            )
         return cls(weight, of_k, table_of("ends", ends, (len(zones), 2)))
 
     def of_density(self, linearized: Linearized) -> float:
@@ -156,7 +159,7 @@ class Adjoint:
         else:
             self.motions = np.diag(self.zones.weight.end_step(-1.0, slopes))
         if not np.isfinite(self.motions).all():
-            raise SingularSystem("the ends are not determined")
+            raise SingularSystem("the intensities do not determine the ends")
 
     def back(self, q: Array, s: Array, e: Array) -> _Adjoint:
         """Derivatives of q y + s d + e m, a linear function of the solution, by the data.
@@ -199,7 +202,9 @@ class Adjoint:
         of_ends = self.back(np.zeros_like(q), np.zeros_like(normal), normal)
         factor = float(found.rows @ unit) / float(of_ends.rows @ unit)
         if not np.isfinite(factor):
-            raise SingularSystem("the condition on the ends does not depend on the open value")
+            raise SingularSystem(
+                "the unknown value of the side condition has no effect on the condition on the ends"
+            )
         return (
             _Adjoint(
                 found.rows - factor * of_ends.rows,

@@ -28,7 +28,7 @@ def check(equation: Equation) -> None:
             pickle.dumps(part)
         except Exception as error:
             raise pickle.PicklingError(
-                f"a sie.Solution is pickled with its equation, but {name} cannot be: {error}. "
-                "Python pickles functions by name: write `def` at the top of a module, not lambda "
-                "or def inside a function; or use cloudpickle"
+                f"a sie.Solution is pickled with its equation, but {name} cannot be pickled: "
+                f"{error}. Python pickles functions by name: define them by `def` at the top level "
+                "of a module, not by lambda or inside a function; or use cloudpickle"
             ) from error

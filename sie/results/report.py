@@ -126,7 +126,7 @@ class Report:
         if len(shown) < len(self.zones):
             yield f"(the {len(shown)} of {len(self.zones)} zones with the largest errors)"
         searched = "" if self.steps is None else f"; free ends found in {self.steps} steps"
-        yield f"stated error {self.error:.1e} of the largest coefficient{searched}"
+        yield f"stated error {self.error:.1e}, relative to the largest coefficient{searched}"
         if self.condition is None:
             yield (
                 f"{self.unknowns} unknowns, solved by {self.iterations} steps of an iteration: "

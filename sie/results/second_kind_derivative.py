@@ -41,8 +41,8 @@ class SecondKindLinearized(LinearEquations):
         self.changed: SecondKindRows | None = None
         if state.iterated or self.zones.follow_ends or self.zones.have_values:
             raise ValueError(
-                "with kappa derivatives are known for zones that a matrix holds, whose ends have "
-                "neither a given value nor, if they are free, a given intensity"
+                "with kappa, derivatives are not known for solutions by an iteration (many zones), "
+                "for given values at ends, or for given intensities at free ends"
             )
         held = np.array(change.held(self.zones))
         rows = np.concatenate((change.values, held)).astype(self.zones.weight.numbers)

@@ -440,7 +440,7 @@ class SecondKindDensity(DensityBase):
     def plane(self, z: Complex, what: What) -> Complex:
         """Transform or its derivative at complex points z (n,)."""
         if what == "potential":
-            raise ValueError("with kappa the potential is known on the line only")
+            raise ValueError("with kappa the potential is known only at real points")
         if np.iscomplexobj(self.coefficients):
             out, below = np.empty(len(z), dtype=complex), z.imag < 0
             out[~below] = self._above(z[~below], what)

@@ -174,7 +174,7 @@ class KnownJumps(Kept):
         return np.asarray(self.factors @ self.closed.moments(length, self.order))
 
 
-_NO_POTENTIAL = "with kappa the potential of a density with values at its ends is not known"
+_NO_POTENTIAL = "with kappa the potential is not known if the density has given values at ends"
 
 
 @record
@@ -255,9 +255,8 @@ def _jumps_inside(forcing: Forcing, zones: Zones, period: float | None) -> tuple
         raise ValueError("with a complex kappa the right side must be smooth inside zones")
     if jumps.of_density or jumps.spline is not None or jumps.algebraic is not None:
         raise ValueError(
-            "of an equation with kappa the right side may have jumps of itself and of its "
-            "derivatives inside zones, but neither splines, algebraic points nor jumps of the "
-            "density"
+            "with kappa, the right side and its derivatives may jump inside zones, but splines, "
+            "algebraic points and jumps of the density are not supported there"
         )
     return tuple(_inside(forcing, zones, period))
 

@@ -47,15 +47,15 @@ PointsOf = Callable[[int], tuple[Array, Array]]
 def lacks_fast_fields(equation: Equation, zones: Zones) -> str | None:
     """The reason, as a message, why fields cannot be summed by trees; None if they can."""
     if len(zones) < 2:
-        return "one zone is too few"
+        return "fast sums need at least two zones"
     if zones.weight.is_complex:
-        return "a complex kappa is not known"
+        return "fast sums do not support a complex kappa"
     if zones.have_values:
-        return "values of the density at ends are not known with kappa"
+        return "with kappa fast sums do not support given values of the density at ends"
     if zones.follow_ends:
-        return "prescribed intensities of free ends are not known with kappa"
+        return "with kappa fast sums do not support prescribed intensities of free ends"
     if not reaches(equation.kernel, zones) or panels_over(equation.kernel, zones) is not None:
-        return "the kernel is too general"
+        return "with kappa fast sums do not support this kernel"
     return None
 
 
@@ -65,14 +65,14 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     if lacking is not None:
         return lacking
     if equation.columns:
-        return "columns of unknown amplitudes need conditions on levels"
+        return "with kappa fast sums with columns need a condition on potentials"
     kinds = [type(condition) for condition in equation.conditions]
     held = sorted(sum(zones.fixed_bounded, []))
     by_totals = kinds == [ZoneTotals] and not held
     if not by_totals and (kinds or held != list(range(len(zones)))):
         return (
-            "with kappa, the conditions must be the totals of all zones and nothing else, or each "
-            "zone must have one bounded fixed end and no condition"
+            "with kappa fast sums need either sie.ZoneTotals as the only condition and no bounded "
+            "fixed end, or no condition and one bounded fixed end on each zone"
         )
     return None
 

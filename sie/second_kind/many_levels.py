@@ -49,14 +49,20 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     if lacking is not None:
         return lacking
     if any(zones.fixed_bounded):
-        return "bounded fixed ends are not known with kappa, but for one of each zone"
+        return (
+            "with kappa fast sums support bounded fixed ends only if each zone has one and there "
+            "is no side condition"
+        )
     if len(zones) > OPTIONS.max_unknowns:
-        return f"more than {OPTIONS.max_unknowns} zones are too many"
+        return (
+            "with kappa fast sums with a condition on potentials support at most "
+            f"{OPTIONS.max_unknowns} zones"
+        )
     if not any(condition.levels for condition in equation.conditions):
-        return "conditions on levels are needed with kappa"
+        return "with kappa fast sums need a condition on potentials"
     primitives = [part.primitive for part in (equation.forcing, *equation.columns)]
     if any(one is None for one in primitives):
-        return "a condition on levels needs the primitives of the right side and of columns"
+        return "a condition on potentials needs the primitives of the right side and of columns"
     return None
 
 
@@ -320,7 +326,9 @@ class AppliedRows(Rows):
         return np.array(values)[:, None], known
 
     def intensities(self) -> tuple[Linear, Linear]:
-        raise ValueError("conditions on intensities with kappa are for few zones")
+        raise ValueError(
+            "with kappa, many zones cannot have conditions on intensities: use fewer zones"
+        )
 
     def amplitude(self, k: int) -> Linear:
         return self.y[[self.of.sums.layout.amplitude(k)]][:, None], np.zeros(1)

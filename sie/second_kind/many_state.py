@@ -12,7 +12,7 @@ from sie.second_kind.many_levels import LevelRows
 from sie.second_kind.state import AT_ENDS, SecondKindState, density_of
 from sie.states.options import OPTIONS as ERRORS
 
-_NO_LEVELS = "with kappa the levels of so many zones are not known"
+_NO_LEVELS = "with kappa the levels of many zones are known only with a condition on potentials"
 
 
 @dataclass(frozen=True, eq=False)

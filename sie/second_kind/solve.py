@@ -81,7 +81,7 @@ def _solve_once(
     layout = Layout(m, len(equation.columns))
     parts = known_parts(equation.forcing, zones, equation.kernel.period)
     system = SecondKindRows(equation, zones, layout, parts)
-    lacking: str | None = "too few of them"
+    lacking: str | None = "fast sums need more unknowns"
     if layout.size > SOLVE.min_fast_unknowns:
         by_levels = any(condition.levels for condition in equation.conditions)
         lacking = (many_levels.unfit if by_levels else unfit)(equation, zones)
@@ -89,8 +89,8 @@ def _solve_once(
         return _solve_iterated(system, sizes, fewer if isinstance(fewer, ManyState) else None)
     if layout.size > SOLVE.max_matrix_unknowns:
         raise TooLarge(
-            f"{len(zones)} zones with {layout.size} unknowns are too many for a matrix, and for "
-            f"fast sums {lacking}"
+            f"{len(zones)} zones with {layout.size} unknowns are too many for a matrix, and "
+            f"{lacking}"
         )
     matrix, right = system.rows()
     rows, values = condition_rows(equation, system, layout.size)
@@ -130,7 +130,9 @@ def _solve_iterated(system: SecondKindRows, sizes: Sizes, last: ManyState | None
         guess = np.concatenate((table[system.layout.given], last.density.amplitudes))
     y = solver(right, guess=guess)
     if not np.all(np.isfinite(y)):
-        raise SingularSystem("the iteration of many zones gives no finite solution")
+        raise SingularSystem(
+            "the iteration that solves many zones gives values that are not finite"
+        )
     sizes.solves += 1
     sizes.profile_evaluations += len(rows.others)
     sizes.iterations += solver.iterations

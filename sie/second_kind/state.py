@@ -348,13 +348,13 @@ class SecondKindState(Resolved):
             )
         residuals = np.abs(self._residuals)
         if self.density_rounding.max() > residuals.max():
-            return "that is what rounding leaves: side conditions nearly depend on each other"
+            return "rounding limits the accuracy: the side conditions nearly depend on each other"
         row, column = np.unravel_index(np.argmax(residuals), residuals.shape)
         zones = self.density.zones
         place = zones.middle[row] + zones.half[row] * math.cos(CHECK_ANGLES[column % CHECK_POINTS])
         return (
-            f"at x = {place:.6g} on zone {int(row)} (counted from 0) the equation is off by "
-            f"{residuals.max():.1e} of a density of the size {size:.1e}"
+            f"at x = {place:.6g} on zone {int(row)} (counted from 0) the residual of the equation "
+            f"is {residuals.max():.1e}, for a density of the size {size:.1e}"
         )
 
 

@@ -151,7 +151,10 @@ def potentials(zones: Zones, kernel: Kernel, targets: Targets, layout: Layout) -
         out[here, first : first + m + 1] += w * table
     if kernel.regular is not None:
         if kernel.regular_potential is None:
-            raise ValueError("a condition on potentials needs the regular kernel's potential")
+            raise ValueError(
+                "a condition on potentials needs the potential of the regular kernel: "
+                "sie.Smooth(value, potential)"
+            )
         out += regular_fields(zones, kernel, targets.x, layout, potential=True)
     return out
 

@@ -191,7 +191,9 @@ class SlitSystem(Kept):
             float(np.abs(folded).max()), 1e-300
         )
         if not change <= max(OPTIONS.max_change, 10 * self.linear):
-            raise SlitsNotConverged("the slits of a wide zone do not come to rest")
+            raise SlitsNotConverged(
+                "the iteration for a wide zone and its narrow gaps does not converge"
+            )
         return folded, self._series(folded, homogeneous), change
 
     def _among_unknowns(self, slack: dict[int, Array]) -> Array:

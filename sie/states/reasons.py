@@ -38,18 +38,18 @@ def reason_of(state: Any, tol: float) -> str:
     # iteration times the number of modes, so `iteration` is compared with a small fraction of it.
     if iteration > max(0.1 * tol, ERRORS.negligible * resolution):
         return (
-            "the iteration by which so many zones are solved does not come to rest: "
-            f"{iteration:.1e} of the density is open, as where "
-            "side conditions nearly contradict each other"
+            "the iteration that solves many zones does not converge: the density has a relative "
+            f"error of {iteration:.1e}, perhaps because side conditions nearly contradict each "
+            "other"
         )
     worst = _Worst.of(state)
     largest = max(_causes(worst).values())
     rows = max(largest, EPS * worst.terms / max(state.size, 1e-300))
     if largest < ERRORS.negligible and conditions > max(resolution, OPTIONS.max_ratio * rows):
         return (
-            f"what is left open in the rows changes the density by {conditions:.1e}, "
-            f"{conditions / rows:.0e} times as much: "
-            "the side conditions nearly depend on each other"
+            f"errors of the linear system change the density by {conditions:.1e}, which is "
+            f"{conditions / rows:.0e} times as much as these errors: the side conditions nearly "
+            "depend on each other"
         )
     return _of_resolution(worst, tol)
 
@@ -155,20 +155,19 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
         cause = "none"
     if cause == "neighbour":
         return (
-            f"{worst.where} lies so close to another one, or to an image, that its {m} modes do "
-            "not "
-            f"show all of it: they leave {neighbour:.1e}"
+            f"{worst.where} lies so close to another zone, or to the image of a zone, that {m} "
+            f"modes do not resolve the density: their truncation error is about {neighbour:.1e}"
         )
     if cause == "places":
         return (
-            f"places on {worst.where} are rounded to {rounded:.1e} of its half width: "
-            "count x from a place near it"
+            f"positions on {worst.where} are rounded to {rounded:.1e} of its half width: move the "
+            "origin x = 0 close to this zone"
         )
     if cause == "fields":
         why = (
-            "more of them do not make it less: it is noisy or rounded"
+            "more modes do not help, so the function is noisy or rounded"
             if noisy
-            else "it varies too fast for them"
+            else "the function varies too fast"
         )
         return (
             f"on {worst.where} the last of {m} modes of {_of_user(state)} is {causes[cause]:.1e} "
@@ -179,13 +178,13 @@ def _of_resolution(worst: _Worst, tol: float) -> str:
     rounding = EPS * worst.terms
     if worst.residual <= OPTIONS.max_ratio * rounding:
         return (
-            f"that is what rounding leaves: terms of the size {worst.terms:.1e} add up to a "
+            f"rounding limits the accuracy: terms of the size {worst.terms:.1e} add up to a "
             f"density of the size {state.size:.1e}"
         )
     return (
-        f"at x = {worst.place:.6g} on {worst.where} the equation is off by {worst.residual:.1e} of "
-        f"a density of the size {state.size:.1e}, "
-        "between the places at which it is solved"
+        f"at x = {worst.place:.6g} on {worst.where}, between the points at which the equation is "
+        f"solved, the residual of the equation is {worst.residual:.1e}, for a density of the size "
+        f"{state.size:.1e}"
     )
 
 
@@ -201,17 +200,16 @@ def _of_right_side(worst: _Worst) -> str:
     """Message about the decay of the right side's coefficients on a zone, with a likely reason."""
     state, zone = worst.state, worst.zone
     n, last = int(state.kept[zone]), float(state.truncation[zone])
-    falls = "no longer fall" if bool(state._stopped[zone]) else "have not fallen further"
+    falls = "no longer decay" if bool(state._stopped[zone]) else "decay too slowly"
     return (
         f"on {worst.where} the last of {n} coefficients of the right side"
-        f"{_less_jumps(state, zone)} is {last:.1e} of the largest, and they {falls}: it is rounded "
-        "or "
-        "noisy there, varies too fast or is singular, or it or a derivative jumps, which is to be "
-        "declared (sie.Forcing)"
+        f"{_less_jumps(state, zone)} is {last:.1e} of the largest, and they {falls}: the right "
+        "side is rounded or noisy there, varies too fast, is singular, or it or a derivative "
+        "jumps: declare such jumps by sie.Jumps"
     )
 
 
 def _less_jumps(state: Any, zone: int) -> str:
     """Words of a message on the number of declared jumps on a zone; '' if there are none."""
     count = int(np.count_nonzero(state.system.jumps.zone == zone))
-    return f" less its {count} declared jumps" if count else ""
+    return f" without its {count} declared jumps" if count else ""

@@ -112,7 +112,7 @@ def solve_fixed(
     """
     equation.check_count(zones)
     if equation.second_kind:
-        raise ValueError("solve_fixed is for kappa = 0; with kappa call sie.solve_zones")
+        raise ValueError("solve_fixed needs kappa = 0; for other kappa call sie.solve_zones")
     if sizes is None:
         sizes = first_sizes(equation, zones, tolerance)
     if sizes.solves == 0:
@@ -133,16 +133,16 @@ def solve_fixed(
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
         unknowns = int(np.sum(m + 1))
         lacking = (
-            "a matrix is asked for"
+            "this calculation needs a matrix"
             if direct
             else unfit(equation, zones)
             if unknowns > OPTIONS.min_fast_unknowns
-            else "too few of them"
+            else "fast sums need more unknowns"
         )
         if lacking and unknowns > OPTIONS.max_matrix_unknowns:
             raise TooLarge(
-                f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for "
-                f"fast sums {lacking}"
+                f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and "
+                f"{lacking}"
             )
         state = (_solve_once if lacking else _solve_iterated)(
             equation, zones, m, samples, jumps, sizes
@@ -249,8 +249,8 @@ def _singular(equation: Equation) -> str:
     """
     if equation.kernel.grows or not equation.conditions:
         return (
-            "the system is singular: some density is seen neither by the equation nor by the side "
-            "conditions"
+            "the system is singular: some density other than zero contributes neither to the "
+            "equation nor to the side conditions"
         )
     return "the system is singular: the side conditions depend on each other"
 
@@ -273,7 +273,7 @@ def not_finite(equation: Equation, x: Array) -> str:
     ):
         wrong = ~np.isfinite(np.asarray(part.value(x), dtype=float))
         if wrong.any():
-            return f"{name} is not finite on the zones, as at x = {x[wrong][0]:.6g}"
+            return f"{name} is not finite on the zones, for example at x = {x[wrong][0]:.6g}"
     return (
         "the kernel's regular part, a primitive or a side condition is not finite on the zones, or "
         "numbers overflow"

@@ -190,7 +190,10 @@ class Panels(Kept):
             chebyshev.to_series(TERMS),
         )
         if function is None:
-            raise ValueError("a condition on potentials needs the regular kernel's potential")
+            raise ValueError(
+                "a condition on potentials needs the potential of the regular kernel: "
+                "sie.Smooth(value, potential)"
+            )
         values = np.asarray(
             function(x[:, :, None], np.broadcast_to(xi.reshape(-1, 1, TERMS), (len(x), 1, TERMS)))
         )

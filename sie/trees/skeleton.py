@@ -149,7 +149,10 @@ class Seen:
             kernel = self.skeleton.kernel
             function = kernel.regular_potential if potential else kernel.regular
             if function is None:
-                raise ValueError("a condition on potentials needs the regular kernel's potential")
+                raise ValueError(
+                    "a condition on potentials needs the potential of the regular kernel: "
+                    "sie.Smooth(value, potential)"
+                )
             self._targets[potential] = np.asarray(
                 function(self.x[:, None], self.skeleton.places), dtype=float
             )

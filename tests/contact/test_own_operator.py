@@ -141,7 +141,7 @@ class TestByItsZones:
             np.array([0.3, 0.03, -0.1, -0.1, 0.0, 0.3]),
         )
         with pytest.raises(
-            contact.NotConverged, match="regular part varies more than the modes of a zone show"
+            contact.NotConverged, match="do not resolve a column or the kernel's regular part"
         ) as refused:
             solve(
                 PiecewiseLinear(at, heights, None),

@@ -26,7 +26,10 @@ SHAPES = {
         lambda x: np.zeros(7),
     ),
     "must return numbers": (lambda x: None, lambda x: np.array(["a"] * len(x))),
-    "is complex": (lambda x: np.exp(1j * x), lambda x: np.zeros(len(x), dtype=complex)),
+    "must return real numbers": (
+        lambda x: np.exp(1j * x),
+        lambda x: np.zeros(len(x), dtype=complex),
+    ),
 }
 
 
@@ -51,7 +54,7 @@ def test_a_right_side_a_primitive_or_a_column_of_another_shape_or_kind_is_refuse
         (lambda x, xi: 1.0, "of shape"),
         (lambda x, xi: np.outer(x, xi), "of shape"),
         (lambda x, xi: x, "of shape"),
-        (lambda x, xi: 1j * x * xi, "is complex"),
+        (lambda x, xi: 1j * x * xi, "must return real numbers"),
     ],
 )
 def test_a_regular_kernel_of_another_shape_or_kind_is_refused_by_name(wrong, message):

@@ -396,7 +396,7 @@ def test_wrong_changes_are_refused_with_their_reason():
     equation, zones, _ = cracks(0.0)
     found = sie.solve(equation, zones)
     for change, message in [
-        ({"values": [1.0, 2.0]}, "one for each of the 1 conditions"),
+        ({"values": [1.0, 2.0]}, "one entry for each of the 1 conditions"),
         ({"values": [[1.0, 2.0, 3.0]]}, "has 2 rows"),
         ({"dends": [1.0, 2.0]}, "of shape"),
         ({"dintensities": np.ones((2, 2))}, "singular ends"),

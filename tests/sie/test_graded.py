@@ -508,7 +508,9 @@ def test_responses_to_other_values_of_conditions_are_those_of_another_solution()
 def test_too_many_zones_beside_narrow_gaps_are_refused_at_once():
     start = np.arange(80) * (1 + 1e-8)
     table = np.column_stack((start, start + 1))
-    with pytest.raises(ValueError, match="80 zones beside gaps down to 1.0e-08 need .* unknowns"):
+    with pytest.raises(
+        ValueError, match="80 zones with gaps as narrow as 1.0e-08 need .* unknowns"
+    ):
         sie.solve(sie.Equation(sie.cauchy(), np.ones_like), sie.Zones.of(table, S, B))
 
 

@@ -154,8 +154,16 @@ def test_one_height_or_order_stands_for_all_places():
 @pytest.mark.parametrize(
     ("make", "options", "message"),
     [
-        (sie.Jumps, {"at": [0.0, 1.0], "heights": [1.0]}, "heights: one for each position"),
-        (sie.Jumps, {"at": [0.0], "heights": [1.0, 2.0]}, "heights: one for each position"),
+        (
+            sie.Jumps,
+            {"at": [0.0, 1.0], "heights": [1.0]},
+            "heights must be one number for each position",
+        ),
+        (
+            sie.Jumps,
+            {"at": [0.0], "heights": [1.0, 2.0]},
+            "heights must be one number for each position",
+        ),
         (sie.Jumps, {"at": [0.0], "heights": [1.0], "orders": [3]}, "orders must be 0, 1 or 2"),
         (sie.Jumps, {"at": [0.0], "heights": [1.0], "orders": [0.5]}, "orders must be 0, 1 or 2"),
         (sie.Jumps, {"at": [0.0], "heights": [1.0], "orders": [-1]}, "orders must be 0, 1 or 2"),
@@ -195,7 +203,7 @@ def test_functions_stand_for_right_sides_and_columns_and_one_condition_for_a_tup
         ),
         (lambda: sie.Equation(sie.cauchy(), np.sin, (sie.Total,)), "a side condition must be"),
         (lambda: sie.Equation(sie.cauchy(), np.sin, (1.0,)), "a side condition must be"),
-        (lambda: sie.Equation(sie.cauchy(), np.sin, (), (), 3), "a condition on the ends is"),
+        (lambda: sie.Equation(sie.cauchy(), np.sin, (), (), 3), "a condition on the ends must be"),
         (lambda: sie.Equation(sie.cauchy(), np.sin, (), (3,)), "column 0 must be"),
         (lambda: sie.Total(math.nan), "Total: its value"),
         (lambda: sie.Total("a"), "Total: its value"),
@@ -250,9 +258,9 @@ def test_false_claims_are_refused_and_true_ones_accepted(zones):
             1e-8,
         )
 
-    with pytest.raises(ValueError, match="said to depend on x - xi alone"):
+    with pytest.raises(ValueError, match="declared to depend on x - xi alone"):
         solve(sie.cauchy() + sie.Smooth(lambda x, xi: x * xi + x**2, of_lag=True))
-    with pytest.raises(ValueError, match="weight is no polynomial of degree 1: on zone 0"):
+    with pytest.raises(ValueError, match="weight is not a polynomial of degree 1: on zone 0"):
         solve(None, (sie.Weighted(lambda x: x**6, 1.0, degree=1),), (np.cos,))
     with pytest.raises(ValueError, match="column 0 has more than modes=1 modes"):
         solve(

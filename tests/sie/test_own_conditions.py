@@ -128,7 +128,7 @@ def test_a_system_too_large_for_a_matrix_and_without_fast_sums_is_refused_by_nam
     options = SolveOptions(min_fast_unknowns=10, max_matrix_unknowns=100)
     monkeypatch.setattr("sie.states.solve.OPTIONS", options)
     both = [sie.Total(1.0)] + [sie.Weighted(lambda x, k=k: x**k, 0.0) for k in range(1, 12)]
-    with pytest.raises(sie.SingularSystem, match="every zone needs one condition of its own"):
+    with pytest.raises(sie.SingularSystem, match="fast sums need one condition for each zone"):
         sie.solve_zones(
             sie.Equation(sie.cauchy(), WAVE, tuple(both)),
             sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR),
@@ -315,12 +315,12 @@ class Wrong(Condition):
     [
         (
             lambda m, c: (np.repeat(m, 2, axis=0), np.zeros(2), np.zeros(2)),
-            r"its `count` is 1, so that its `rows`",
+            r"its `count` is 1, so its `rows`",
         ),
-        (lambda m, c: (m[:, :-1], c, c), r"must have shapes \(1, \d+\)"),
-        (lambda m, c: (m[0], c, c), "must have shapes"),
-        (lambda m, c: (m, c), "three things"),
-        (lambda m, c: (1j * m, c, c), "matrix of its `rows` are complex"),
+        (lambda m, c: (m[:, :-1], c, c), r"arrays of the shapes \(1, \d+\)"),
+        (lambda m, c: (m[0], c, c), "arrays of the shapes"),
+        (lambda m, c: (m, c), "a tuple of three"),
+        (lambda m, c: (1j * m, c, c), "matrix that its `rows` returns must be real"),
     ],
 )
 def test_rows_of_a_wrong_shape_are_refused_by_name(given, message):
@@ -333,9 +333,7 @@ def test_rows_of_a_wrong_shape_are_refused_by_name(given, message):
 
 def test_zone_totals_of_a_wrong_length_and_columns_that_are_not_there_are_refused_by_name():
     zones = sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR)
-    with pytest.raises(
-        ValueError, match="2 zones are solved, so one value or 2 of them are needed"
-    ):
+    with pytest.raises(ValueError, match="2 zones are solved, so give one value or 2 values"):
         sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, (sie.ZoneTotals((1.0, 2.0, 3.0)),)), zones)
     conditions = (sie.Total(1.0), sie.EqualPotential(), sie.Amplitude(1))
     with pytest.raises(ValueError, match=r"amplitude of column 1 .*, but the equation has 1"):
@@ -403,7 +401,7 @@ def test_an_iteration_that_does_not_converge_is_the_reason_reported(monkeypatch)
         "sie.fast.iteration.gmres", lambda apply, b, tolerance: gmres(apply, b, tolerance, 2)
     )
     charge = sie.Equation(sie.cauchy(), WAVE, (sie.Total(1.0), sie.EqualPotential()))
-    with pytest.raises(sie.NotConverged, match="the iteration .* does not come to rest"):
+    with pytest.raises(sie.NotConverged, match="the iteration .* does not converge"):
         sie.solve(charge, sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR))
 
 

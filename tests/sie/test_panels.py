@@ -253,7 +253,7 @@ def test_without_conditions_on_potentials_a_kernel_needs_no_potential(monkeypatc
     by_sums = sie.solve_fixed(sie.Equation(without, right, (sie.ZoneTotals(0.1),)), zones)
     assert by_sums.iterated and not direct.iterated
     assert by_sums.density.at_t(5, 0.3) == pytest.approx(direct.density.at_t(5, 0.3), rel=1e-11)
-    with pytest.raises(ValueError, match="needs the regular kernel's potential"):
+    with pytest.raises(ValueError, match="needs the potential of the regular kernel"):
         sie.solve_fixed(sie.Equation(without, right, (sie.Total(0.1), sie.EqualPotential())), zones)
 
 

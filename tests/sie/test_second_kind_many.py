@@ -175,5 +175,5 @@ def test_other_conditions_on_too_many_zones_are_refused_by_name():
     still = sie.Forcing(np.zeros_like, np.zeros_like)
     conditions = sie.ZoneTotals(0.0), sie.moment(1.0)
     equation = sie.Equation(sie.cauchy(), still, conditions, (np.ones_like,), kappa=0.3)
-    with pytest.raises(sie.SingularSystem, match="need conditions on levels"):
+    with pytest.raises(sie.SingularSystem, match="need a condition on potentials"):
         sie.solve_zones(equation, zones)

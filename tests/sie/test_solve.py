@@ -165,7 +165,7 @@ def test_a_condition_of_unknown_value_needs_one_on_the_ends():
         ((sie.Total(None),), ()),
         ((sie.Total(1.0),), (sie.TotalWidth(1.0),)),
     ]:
-        with pytest.raises(sie.CountError, match="unknown value need as many"):
+        with pytest.raises(sie.CountError, match="unknown value .* as many"):
             solve(NOTHING, conditions, [[-1, 1]], end_conditions=on_ends)
 
 
@@ -187,7 +187,8 @@ def test_a_right_side_that_is_not_finite_is_refused(bad):
     with (
         np.errstate(invalid="ignore"),
         pytest.raises(
-            sie.SingularSystem, match="the right side is not finite on the zones, as at x = "
+            sie.SingularSystem,
+            match="the right side is not finite on the zones, for example at x = ",
         ),
     ):
         solve(sie.Forcing(lambda x: np.where(x > 0.5, bad, x)), [sie.Total(1.0)], [[-1, 1]])
@@ -196,9 +197,9 @@ def test_a_right_side_that_is_not_finite_is_refused(bad):
 
 
 def test_zones_that_do_not_fit_into_a_period_are_refused():
-    with pytest.raises(ValueError, match="the period is 1"):
+    with pytest.raises(ValueError, match="the period 1"):
         solve(LINEAR, [sie.Total(1.0)], [[-0.7, 0.6]], kernel=sie.hilbert(1.0))
-    with pytest.raises(ValueError, match="the period is 1"):
+    with pytest.raises(ValueError, match="the period 1"):
         solve(LINEAR, [sie.Total(1.0)], [[-0.7, 0.6]], kernel=sie.images(1.0, 3))
 
 

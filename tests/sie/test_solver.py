@@ -104,7 +104,7 @@ ONE = sie.Zones.of([[-1.0, 1.0]])
         ),
         (
             (sie.Equation(sie.hilbert(1.0), sie.Forcing(lambda x: x), (sie.Total(1.0),)), ONE),
-            "the zones reach over 2, the period is 1",
+            "the zones extend over 2, .* less than the period 1",
         ),
     ],
 )
@@ -124,7 +124,7 @@ def test_wrong_options_are_value_errors_that_name_them(options):
 
 
 def test_a_search_that_stops_says_why_and_gives_its_best_state():
-    with pytest.raises(sie.NotConverged, match="did not come to rest") as stopped:
+    with pytest.raises(sie.NotConverged, match="did not converge") as stopped:
         sie.solve(HERTZ, sie.Zones.of([[-1.0, 3.0]]), max_steps=1)
     best = stopped.value.best
     assert best.error == math.inf and best.zones.table.shape == (1, 2)
@@ -135,14 +135,12 @@ def test_a_zone_that_shrinks_away_is_named():
     # on the left does not touch.
     forcing = sie.Forcing(lambda x: x**3 - x - 0.5, lambda x: x**4 / 4 - x**2 / 2 - 0.5 * x)
     equation = sie.Equation(sie.cauchy(), forcing, (sie.Total(0.02), sie.EqualPotential()))
-    with pytest.raises(
-        sie.NotConverged, match=r"a zone has shrunk away \(zone 0, counted from 0\)"
-    ):
+    with pytest.raises(sie.NotConverged, match=r"a zone has vanished \(zone 0, counted from 0\)"):
         sie.solve(equation, sie.Zones.of([[-1.0, -0.8], [1.0, 1.4]]))
 
 
 def test_a_tolerance_below_rounding_is_refused_with_the_best_that_was_reached():
-    with pytest.raises(sie.NotConverged, match="the error has come to .*rounding") as stopped:
+    with pytest.raises(sie.NotConverged, match="the stated error is .*rounding") as stopped:
         sie.solve(problem(exact.Westergaard(0.499, 1.0)), sie.Zones.of([[-0.45, 0.46]]), 1e-14)
     assert (
         true_error(stopped.value.best, exact.Westergaard(0.499, 1.0))
@@ -155,7 +153,7 @@ def test_a_jump_that_is_not_declared_is_suspected_in_words():
     rough = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: np.sign(x - 0.2)), (sie.Total(1.0),))
     with pytest.raises(
         sie.NotConverged,
-        match="the last of 8191 coefficients of the right side .* is to be declared",
+        match="the last of 8191 coefficients of the right side .* declare such jumps",
     ):
         sie.solve(rough, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
 
@@ -165,7 +163,7 @@ def test_zones_too_close_for_their_modes_are_named(monkeypatch):
     still = sie.Forcing(np.zeros_like)
     close = sie.Zones.of([[-3.0, -2.0], [-1.0, 0.0], [1e-6, 1.0]], sie.SINGULAR, sie.SINGULAR)
     with pytest.raises(
-        sie.NotConverged, match=r"zone [12] \(counted from 0\) lies so close to another one"
+        sie.NotConverged, match=r"zone [12] \(counted from 0\) lies so close to another zone"
     ):
         sie.solve(sie.Equation(sie.cauchy(), still, (sie.ZoneTotals((1.0, 1.0, -1.0)),)), close)
 

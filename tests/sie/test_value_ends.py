@@ -179,7 +179,7 @@ def test_many_plateaus_by_fast_sums_are_those_of_a_matrix():
 @pytest.mark.parametrize(
     ("left", "right", "message"),
     [
-        (FREE, sie.free_with_value(1.0), "does not end"),
+        (FREE, sie.free_with_value(1.0), "has only one end"),
         (sie.free_with_value(1.0, until=2.0), FREE, "wrong side"),
     ],
 )
