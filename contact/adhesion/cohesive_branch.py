@@ -501,7 +501,7 @@ def _solved_at_corners(
                 (),
                 None,
                 stable=True,
-                reason="the ends are at rest",
+                reason="the ends have converged",
             )
             return CohesiveFields(pulled, state), found, control
         zones, before = zones + np.column_stack((-step[0], step[1])), float(end_error_of_step.max())

@@ -260,8 +260,8 @@ def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
         if beyond > HALF_DIGITS * size.max() + _of_places(x, zones.half[zone], values):
             raise ValueError(
                 f"{name} has more than modes={modes} modes: on zone {zone} (counted from 0) "
-                f"further modes reach {beyond / size.max():.1e} of the largest mode; give more modes, "
-                "or leave `modes` out"
+                f"further modes reach {beyond / size.max():.1e} of the largest mode; give more "
+                "modes, or leave `modes` out"
             )
 
 

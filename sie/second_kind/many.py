@@ -84,7 +84,7 @@ def nodes_of(m: int) -> tuple[Array, Array]:
 
 
 def between_nodes(m: int) -> tuple[Array, Array]:
-    """(1 + t, 1 - t) at the check points t = cos(CHECK_ANGLES), the same for any number of modes."""
+    """(1 + t, 1 - t) at the check points t = cos(CHECK_ANGLES), the same for any number m."""
     return 2 * np.cos(0.5 * CHECK_ANGLES) ** 2, 2 * np.sin(0.5 * CHECK_ANGLES) ** 2
 
 
