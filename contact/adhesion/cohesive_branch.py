@@ -66,7 +66,7 @@ from contact.model.units import quantity
 from contact.search.context import SceneCache, SolveContext
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
-from contact.search.strategies.full_contact import closed
+from contact.search.strategies.full_contact import full_by_adhesion
 from contact.search.strategies.gaps import by_gaps, record_as_before
 from contact.search.strategies.guesses import Outcome
 from contact.search.topology.failure import Failure
@@ -529,7 +529,7 @@ def everywhere(context: SolveContext, problem: Problem) -> Outcome:
         problem, stress / problem.units.pressure, np.zeros((0, 2)), everywhere=True
     )
     if len(found.zones) == 0:
-        return closed(context)
+        return full_by_adhesion(context)
     zones = placed(problem, found.zones)
     load = found.load / problem.units.load
     plain = replace(problem, law=scene.law)

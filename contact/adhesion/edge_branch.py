@@ -43,7 +43,7 @@ def followed(context: SolveContext) -> Outcome:
     scene = context.scene
     context.plan["branch"].detail = f"{context.branch}, {described_way(context)}"
     if context.branch == "receding" and _closes(scene):
-        return closed(context)
+        return full_by_jkr(context)
     scaled, curve = curve_of(context)
     problem, control = curve.problem, curve.control
     rest: State | None
@@ -59,7 +59,7 @@ def followed(context: SolveContext) -> Outcome:
                 start = advancing(context, scaled, curve, max(control.value, 0.0))
                 rest = start if control.value >= 0.0 else receded(curve, start.table, control.value)
     except Closed:
-        return closed(context)
+        return full_by_jkr(context)
     if rest is None:
         assert start is not None
         raise OutOfRange(past_pull_off(curve, pull_off(curve, start), context))
@@ -100,10 +100,10 @@ def past_pull_off(curve: Curve, last: State, context: SolveContext) -> str:
     return f"{name} = {value:.6g} is past pull-off, which is at {text}: the surfaces come apart"
 
 
-def closed(context: SolveContext) -> full_contact.Full:
+def full_by_jkr(context: SolveContext) -> full_contact.Full:
     """The full contact into which adhesion without range (JKR) has closed the surfaces."""
     scene = context.scene
-    found = full_contact.closed(context)
+    found = full_contact.full_by_adhesion(context)
     if not context.operator.has_inverse:
         raise OutOfRange(full_contact.no_inverse(context, "adhesion closes all gaps"))
     if len(scene.profile.kinks) and np.any(scene.profile.kinks[:, 1] < 0):

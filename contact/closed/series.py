@@ -80,7 +80,7 @@ def summed(g: Array, t: Array) -> Array:
     return last + before
 
 
-def off(g: Array, t: Array) -> Array:
+def outside_transform(g: Array, t: Array) -> Array:
     """Hilbert transform of a series with coefficients g, at points t >= 1 outside the zone.
     It is the sum of g_k rho^k, with rho = t - sqrt(t^2 - 1). The shape of t is (..., points).
     """
@@ -96,8 +96,8 @@ def off(g: Array, t: Array) -> Array:
     return np.asarray(total * rho)
 
 
-def off_integral(g: Array, t: Array) -> Array:
-    """Integral from 1 to t of the Hilbert transform `off`, for one load.
+def outside_transform_integral(g: Array, t: Array) -> Array:
+    """Integral from 1 to t of the Hilbert transform `outside_transform`, for one load.
     So the coefficients g have the shape (orders,).
 
     int rho^k dt = [(1 - rho^(k-1))/(k-1) - (1 - rho^(k+1))/(k+1)]/2.

@@ -26,7 +26,12 @@ from functools import lru_cache
 import numpy as np
 
 from contact.closed.line import Value, column, everywhere, largest, least
-from contact.closed.series import SAMPLES_PER_DEGREE, off, off_integral, table
+from contact.closed.series import (
+    SAMPLES_PER_DEGREE,
+    outside_transform,
+    outside_transform_integral,
+    table,
+)
 from contact.closed.zone import OPTIONS, SUM_ROUND_OFF, ClosedZone
 from contact.formulation.tolerances import TOLERANCES, allowed_overlap
 from contact.model.profiles.noise import EPS
@@ -116,7 +121,7 @@ def _opens(zone: ClosedZone) -> tuple[Value, Value]:
     x, weight = problem.map.at(half * t)
     slope = np.asarray(problem.profile.slope(x), dtype=float)
     own = (slope - 0.5 * problem.kink) / weight
-    rises = own - off(zone.g, t)
+    rises = own - outside_transform(zone.g, t)
     if problem.kink > 0.0:
         ratio = 1.0 / t if problem.map.period is None else weight / (t * np.sqrt(1.0 - half**2))
         rises += problem.kink / math.pi * np.arccos(np.minimum(ratio, 1.0)) / weight
@@ -146,7 +151,7 @@ def _stays_open(zone: ClosedZone, t: Array, own: Array, rises: Array) -> tuple[b
     if problem.kink or not math.isfinite(problem.limit):
         return False, math.inf
     height = np.asarray(problem.profile.height(problem.map.at(zone.half * t)[0]), dtype=float)
-    sunk = problem.map.load_factor * zone.half * off_integral(zone.g, t)
+    sunk = problem.map.load_factor * zone.half * outside_transform_integral(zone.g, t)
     gap = height - float(problem.profile.height(zone.half_width)) - sunk
     top = int(np.argmax(gap))
     lowest = float(gap[top:].min())

@@ -51,7 +51,7 @@ def first_order(
     def strip(problem: Problem, control: Control, start: Array | None) -> SolvedZones:
         return centred(context, replace(scaled, problem=problem, control=control), start)
 
-    alone = partial(_reference, context)
+    solve_reference = partial(_reference, context)
     if scaled.control.half_width is not None:
         guess = 2 * scaled.control.half_width
     elif context.single:
@@ -68,7 +68,7 @@ def first_order(
             zones = table_of(strip(given, scaled.control, None))
         if not _is_asperity(scaled.problem, zones):
             return several.found(pressure, zones)
-        one = OneZoneClosure(scaled.problem, strip, alone, zones, context.tol)
+        one = OneZoneClosure(scaled.problem, strip, solve_reference, zones, context.tol)
         with context.plan.timed("isolated reference"):
             outcome: SolvedZones | Failure = attempted(
                 lambda: one.found(scaled.control, float(np.ptp(zones)))
@@ -82,7 +82,7 @@ def first_order(
         context.record_failure("one zone by its width", outcome)
         return several.found(pressure, zones)
     with context.plan.timed("isolated reference"):
-        return OneZoneClosure(scaled.problem, strip, alone, None, context.tol).found(
+        return OneZoneClosure(scaled.problem, strip, solve_reference, None, context.tol).found(
             scaled.control, guess
         )
 

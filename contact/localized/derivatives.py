@@ -40,14 +40,14 @@ OPTIONS = DerivativeOptions()
 @record
 class TwoContacts:
     """Two contacts that the localized model compares, both with the profile of the strip.
-    `strip` has the nominal pressure outside the strip, `alone` has no pressure there.
+    `strip` has the nominal pressure outside the strip, `reference` has no pressure there.
 
     unknowns: scaled centre, nominal pressure and load of the strip (3,).
     """
 
     unknowns: Array
     strip: SolvedZones
-    alone: SolvedZones
+    reference: SolvedZones
 
     @property
     def period(self) -> float:
@@ -57,9 +57,9 @@ class TwoContacts:
 
     @property
     def cut_off(self) -> Mask:
-        """Mask (2,): whether zones of `alone` end at the left and the right border of the strip."""
-        zones = self.alone.free.density.zones
-        return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.cut)
+        """Mask (2,): whether zones of `reference` end at the left and right border of the strip."""
+        zones = self.reference.free.density.zones
+        return np.array([zones.a[0], zones.b[-1]]) == np.array(self.reference.fields.problem.cut)
 
 
 @record
@@ -126,27 +126,27 @@ class ContactRates(sie.Kept):
         return np.asarray(np.asarray(moved).T / np.diff(table_of(self.at.strip), axis=1))
 
     @cached_property
-    def alone(self) -> Array:
+    def reference_by_pressure(self) -> Array:
         """Derivatives of the zone ends of the contact without images, by the nominal pressure."""
         return self.at.period * moved_ends(
-            self.at.alone.fields.state, 0, tolerance=OPTIONS.tolerance
+            self.at.reference.fields.state, 0, tolerance=OPTIONS.tolerance
         )
 
     @cached_property
-    def alone_by_centre(self) -> Array:
+    def reference_by_centre(self) -> Array:
         """Derivatives of the zone ends of the contact without images, by the centre of the strip.
 
         An end at a border of the strip moves with this border, and the other ends react.
         """
-        alone, at_border = self.at.alone, self.at.cut_off
-        problem, zones = alone.fields.problem, alone.free.density.zones
+        reference, at_border = self.at.reference, self.at.cut_off
+        problem, zones = reference.fields.problem, reference.free.density.zones
         moved = np.zeros((2, len(zones)))
         if not at_border.any():
             return moved
         moved[[0, 1], [0, -1]] = at_border * (-1.0, 1.0)
         away, sides = OPTIONS.shift * float(room_beside(zones.table, None)[[0, -1]].min()), []
         for shift in (away, -away):
-            equation = problem.about(problem.centre + shift).equation(alone.control)
+            equation = problem.about(problem.centre + shift).equation(reference.control)
             density = sie.solve_zones(
                 equation, zones.moved(shift * moved), OPTIONS.tolerance
             ).density
@@ -159,12 +159,12 @@ class ContactRates(sie.Kept):
         pressure. The conditions are: equal widths of the two contacts, and a strip centred on its
         zones.
 
-        The first condition is W = W0: the zones of `at.strip` and of `at.alone` have the same total
-        width. The second: the middle of the strip's zones is the centre.
+        The first condition is W = W0: the zones of `at.strip` and of `at.reference` have the same
+        total width. The second: the middle of the strip's zones is the centre.
         """
         wider = (
-            self.by_centre.sum() - self.alone_by_centre.sum(),
-            self.by_pressure.sum() - self.alone.sum(),
+            self.by_centre.sum() - self.reference_by_centre.sum(),
+            self.by_pressure.sum() - self.reference_by_pressure.sum(),
         )
         return np.array(
             [wider, (middle_motion(self.by_centre) - 1.0, middle_motion(self.by_pressure))]

@@ -89,14 +89,21 @@ class _AtWidth:
 class OneZoneClosure:
     """The search for the contact width at which the controlled quantity has its given value.
 
-    strip: solves the strip under a given nominal pressure. alone: solves the profile alone.
+    solve_strip: solves the strip under a given nominal pressure. solve_reference: solves the
+    profile alone.
     first: zones near the solution; None for a zone about the origin. tol: wanted error.
     """
 
     def __init__(
-        self, problem: Problem, strip: Search, alone: Search, first: Array | None, tol: float
+        self,
+        problem: Problem,
+        solve_strip: Search,
+        solve_reference: Search,
+        first: Array | None,
+        tol: float,
     ) -> None:
-        self.problem, self.strip, self.alone, self.first = problem, strip, alone, first
+        self.problem, self.first = problem, first
+        self.solve_strip, self.solve_reference = solve_strip, solve_reference
         self.tol = tol
         self.isolated = replace(
             problem, interaction=Isolated(), centre=0.0, amplitude=None, reference=True
@@ -120,7 +127,7 @@ class OneZoneClosure:
         )
         _, pressure, load = (float(unknown) for unknown in here.at.unknowns)
         problem = strip.fields.problem.with_amplitude(pressure + rate * more)
-        final = self.strip(
+        final = self.solve_strip(
             problem, Load(load + more if control.load is None else control.load), table_of(strip)
         )
         return replace(final, fields=replace(final.fields, amplitude_rate=rate), control=control)
@@ -138,14 +145,14 @@ class OneZoneClosure:
         """
         of_width = HalfWidth(0.5 * width) if self.first is None else Width(width)
         start = _widened(self.first if self.last is None else table_of(self.last), width)
-        alone = self.alone(self.isolated, of_width, start)
-        pressure = alone.fields.density.total / self._period
+        reference = self.solve_reference(self.isolated, of_width, start)
+        pressure = reference.fields.density.total / self._period
         problem = self.problem if self.last is None else self.last.fields.problem
-        strip = self.last = self.strip(problem.with_amplitude(pressure), of_width, start)
+        strip = self.last = self.solve_strip(problem.with_amplitude(pressure), of_width, start)
         at = TwoContacts(
             np.array([strip.fields.problem.centre, pressure, strip.fields.density.total]),
             strip,
-            alone,
+            reference,
         )
         rates = ContactRates(at)
         grows = rates.following
@@ -157,7 +164,7 @@ class OneZoneClosure:
             width,
             present,
             control.value,
-            by_load / float(grows[1] * rates.alone.sum()),
+            by_load / float(grows[1] * rates.reference_by_pressure.sum()),
             by_load,
             grows,
         )

@@ -83,7 +83,7 @@ class SeveralZones:
         for _ in range(SEARCH.max_steps):
             at = self._at(pressure, start, at)
             rates = ContactRates(at)
-            miss = width_of(at.strip) - width_of(at.alone)
+            miss = width_of(at.strip) - width_of(at.reference)
             step = self._step(rates, miss)
             error = np.abs(self._step(rates, self._width_error(at)))
             # `error` is the step that an error of the widths causes. The search ends if `step`
@@ -148,7 +148,7 @@ class SeveralZones:
     def _width_error(self, at: TwoContacts) -> float:
         """Bound of the error of W - W0, a difference of total zone widths (head of this module)."""
         missed = 0.0
-        for found in (at.strip, at.alone):
+        for found in (at.strip, at.reference):
             ends = found.free.end_error + found.fields.state.end_truncation
             missed += float((ends * np.diff(table_of(found), axis=1)).sum())
         return missed
@@ -158,10 +158,12 @@ class SeveralZones:
         strip = self.strip(self.scaled.problem.with_amplitude(pressure), self.scaled.control, start)
         centre = strip.fields.problem.centre
         with self.context.plan.timed("isolated reference"):
-            alone = self._alone(centre, pressure * self.period, last)
-        return TwoContacts(np.array([centre, pressure, strip.fields.density.total]), strip, alone)
+            reference = self._reference(centre, pressure * self.period, last)
+        return TwoContacts(
+            np.array([centre, pressure, strip.fields.density.total]), strip, reference
+        )
 
-    def _alone(self, centre: float, load: float, last: TwoContacts | None) -> SolvedZones:
+    def _reference(self, centre: float, load: float, last: TwoContacts | None) -> SolvedZones:
         """The contact of the profile without images, cut off at the borders of the strip."""
         problem = replace(
             self.scaled.problem,
@@ -219,6 +221,6 @@ def _moved(last: TwoContacts, problem: Problem) -> Array:
     """Zones of the profile without images, from the previous step of the search.
     Ends at the borders of the strip are moved to its new borders.
     """
-    table = table_of(last.alone).copy()
+    table = table_of(last.reference).copy()
     table.flat[[0, -1]] = np.where(last.cut_off, np.array(problem.cut), table.flat[[0, -1]])
     return table

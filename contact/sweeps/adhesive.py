@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from contact.adhesion.cohesive_state import CohesiveState
 from contact.adhesion.curve import State
-from contact.adhesion.edge_branch import closed
+from contact.adhesion.edge_branch import full_by_jkr
 from contact.adhesion.events import Jump, PathState
 from contact.adhesion.full_contact import as_not_converged
 from contact.adhesion.loading_path import LoadingPath
@@ -479,7 +479,7 @@ class _PathRun:
     def _without_zones(self, context: SolveContext, here: PathState) -> Solution:
         held, units = self.curve.control, self.problem.units
         if here.closed:
-            mean_pressure = closed(context).mean_pressure
+            mean_pressure = full_by_jkr(context).mean_pressure
             scene = (
                 context.scene
                 if context.spring_compliance is None
@@ -499,7 +499,7 @@ class _PathRun:
         """Load of surfaces that are closed over the whole period [N/m]."""
         assert self.scene.period is not None
         scene = self.scene.under(self.control, value * self.unit)
-        return closed(replace(self.context, scene=scene)).mean_pressure * self.scene.period
+        return full_by_jkr(replace(self.context, scene=scene)).mean_pressure * self.scene.period
 
     def event(self, jump: Jump) -> AdhesiveEvent:
         units = self.problem.units

@@ -53,7 +53,7 @@ def full_under(context: SolveContext, control: Control, but_for_kinks: bool = Fa
     if not (limit.is_known if but_for_kinks else limit.possible):
         return None
     controlled = control.approach if context.scene.given_load is None else control.load
-    mean_pressure = None if controlled is None else closed_pressure(context)
+    mean_pressure = None if controlled is None else full_contact_pressure(context)
     if mean_pressure is None:
         return None
     is_full = mean_pressure >= limit.onset_pressure
@@ -67,7 +67,7 @@ def full_under(context: SolveContext, control: Control, but_for_kinks: bool = Fa
     return Full(mean_pressure) if is_full else None
 
 
-def closed_pressure(context: SolveContext) -> float | None:
+def full_contact_pressure(context: SolveContext) -> float | None:
     """Mean pressure [Pa] if the surfaces touch on the whole period, from the load or approach.
 
     None if the control does not determine this pressure. An approach determines it if the substrate
@@ -88,9 +88,9 @@ def closed_pressure(context: SolveContext) -> float | None:
     return (approach - mean_height(scene)) / compliance
 
 
-def closed(context: SolveContext) -> Full:
+def full_by_adhesion(context: SolveContext) -> Full:
     """Full contact by adhesion; raises OutOfRange if the mean pressure is not determined."""
-    mean_pressure = closed_pressure(context)
+    mean_pressure = full_contact_pressure(context)
     if mean_pressure is None:
         raise OutOfRange(
             "the surfaces close altogether, and in full contact the approach does not tell "

@@ -63,7 +63,7 @@ class Case:
         return self.make_exact(self.scene)
 
 
-def closed(name: str, profile: Profile, exact: Any) -> Case:
+def closed_form_case(name: str, profile: Profile, exact: Any) -> Case:
     """A case whose exact solution is known in closed form."""
     single = len(exact.zones) == 1
     return Case(
@@ -76,19 +76,19 @@ def wave(fraction: float = 0.4, E_star: float = 1.1e11, period: float = 1e-4) ->
     exact = Westergaard.from_contact_fraction(
         fraction, amplitude=1e-6, period=period, E_star=E_star
     )
-    return closed(f"wave 2a/L={fraction:g}", Sinusoid(1e-6, period), exact)
+    return closed_form_case(f"wave 2a/L={fraction:g}", Sinusoid(1e-6, period), exact)
 
 
 def wedge(E_star: float = 1.1e11, period: float = 1e-4) -> Case:
     """A case of a periodic wedge at a contact fraction of 0.4."""
     exact = PeriodicWedge.from_contact_fraction(0.4, wedge_slope=0.05, period=period, E_star=E_star)
-    return closed("wedge", Wedge(0.05, period), exact)
+    return closed_form_case("wedge", Wedge(0.05, period), exact)
 
 
 def parabola(E_star: float = 1.1e11, period: float = 1e-4) -> Case:
     """A case of a periodic parabola at a contact fraction of 0.4."""
     exact = PeriodicParabola.from_contact_fraction(0.4, radius=1e-3, period=period, E_star=E_star)
-    return closed("parabola", Parabola(1e-3, period), exact)
+    return closed_form_case("parabola", Parabola(1e-3, period), exact)
 
 
 def biquadratic() -> Case:
@@ -100,7 +100,7 @@ def biquadratic() -> Case:
     exact = PeriodicBiquadratic(
         radius=1.0, spacing=0.1, period=0.12, E_star=1.0, mean_pressure=0.00109
     )
-    return closed("biquadratic, 2 zones", Biquadratic(1.0, 0.1, 0.12), exact)
+    return closed_form_case("biquadratic, 2 zones", Biquadratic(1.0, 0.1, 0.12), exact)
 
 
 def designed(zones: int = 8, seed: int = 8, spread: float = 10.0) -> Case:
