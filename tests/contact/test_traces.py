@@ -512,7 +512,7 @@ def test_a_trace_given_as_a_scene_and_a_scene_given_as_a_trace_are_refused_with_
     path = write(tmp_path, rows())
     assert "contact trace trace.txt --scene NEW.toml" in run("solve", path, status=2)
     run("trace", path, "--scene", tmp_path / "start.toml")
-    assert "a file of points" in run("trace", tmp_path / "start.toml", status=2)
+    assert "a file with the points" in run("trace", tmp_path / "start.toml", status=2)
 
 
 def test_a_path_says_at_which_load_there_is_no_contact_and_what_is_missing(tmp_path: Path) -> None:
