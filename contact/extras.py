@@ -46,7 +46,7 @@ def require(name: str) -> Any:
         # An installed package may also fail to import for other reasons, so the message shows the
         # error.
         raise MissingExtra(
-            f"{name} is needed here and cannot be imported ({error}): {remedy}", name=package
+            f"{name} is needed here but cannot be imported ({error}): {remedy}", name=package
         ) from error
 
 
@@ -81,10 +81,9 @@ def other_package() -> str:
     except metadata.PackageNotFoundError:
         return ""
     return (
-        f"contact {other}, another project, is installed beside sie-contact, and both are imported "
-        "as `contact`: "
-        "keep one of them in an environment (pip uninstall contact; pip install --force-reinstall "
-        "--no-deps sie-contact)"
+        f"another project named contact ({other}) is installed beside sie-contact, and both are "
+        "imported as `contact`: keep only one of them in each environment (pip uninstall contact; "
+        "pip install --force-reinstall --no-deps sie-contact)"
     )
 
 

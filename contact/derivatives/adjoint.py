@@ -214,8 +214,9 @@ class _Adjoint:
             )
         except (ValueError, sie.SingularSystem) as error:
             raise SceneError(
-                f"gaps are too narrow for the weights of all heights ({error}): use "
-                "`of(number, to=...)`",
+                f"derivatives by all heights at once could not be computed ({error}): use "
+                "`of(number, to=...)` for one parameter at a time, such as "
+                "to='profile.height[0]'",
                 "number",
             ) from error
 

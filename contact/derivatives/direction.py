@@ -90,7 +90,9 @@ class Direction(Profile):
             return cls(like, (dheight,), (1.0,))
         for name, one in (("dheight", dheight), ("dslope", dslope)):
             if not callable(one):
-                raise SceneError.of(name, one, "a function of x [m], or dheight a contact.Profile")
+                raise SceneError.of(
+                    name, one, "a function of x [m], or dheight must be a contact.Profile"
+                )
         change = Given(dheight, dslope)
         object.__setattr__(change, "period", like.period)
         object.__setattr__(change, "_cell", like.x0)

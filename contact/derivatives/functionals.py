@@ -58,7 +58,9 @@ class Functionals(sie.Kept):
         if len(at) != value.ndim or any(
             not 0 <= k < n for k, n in zip(at, value.shape, strict=True)
         ):
-            raise SceneError.of("index", index, f"an index of an array of shape {value.shape}")
+            raise SceneError.of(
+                "index", index, f"a valid index of {number}, whose shape is {value.shape}"
+            )
         if (number, at) not in self._known:
             self._known[number, at] = self.weights(number, at)
         return self._known[number, at]
@@ -79,9 +81,15 @@ class Functionals(sie.Kept):
             error = error + weighted.unsure * abs(of(weighted.control))
         note = ""
         if number == "max_pressure" and len(self.linearized.peaks) > 1:
-            note = "several places of largest pressure: the derivatives are those of one of them"
+            note = (
+                "the largest pressure occurs at several places: the derivatives are those at one "
+                "of them"
+            )
         if number in STRESSES and len(self.linearized.values.max_stress) > 1:
-            note = "several places of largest stress: the derivatives are those of one of them"
+            note = (
+                "the largest stress occurs at several places: the derivatives are those at one of "
+                "them"
+            )
         return Derivative(value, error, note)
 
     def weights(self, number: str, index: tuple[int, ...]) -> Weighted:
@@ -155,12 +163,12 @@ class Functionals(sie.Kept):
         fields, law = self.solution.fields, self.solution.scene.law
         if law.kappa or isinstance(fields, ZoneFields) and fields.solved_zones.follow_ends:
             return (
-                f"the law {law.name}: derivatives by all heights at once are known without "
-                "adhesion and without friction between unlike bodies"
+                f"the law {law.name}: derivatives by all heights at once are available only "
+                "without adhesion and without friction between elastically different bodies"
             )
         if isinstance(fields, FullFields) and not fields.problem.operator.is_plain:
             return (
-                "full contact of a layer: derivatives by all heights at once are known on a "
+                "full contact: derivatives by all heights at once are available only for a "
                 "half-plane"
             )
         return ""

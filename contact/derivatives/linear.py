@@ -148,8 +148,9 @@ class Linearized(sie.Kept):
         of_load, load_error = self.controlled(self.by_load)
         if not np.isfinite(of_load) or of_load == 0.0:
             raise SceneError(
-                "the control does not depend on the load here: there are no derivatives at its "
-                "given value",
+                "the derivative of the controlled quantity by the load is zero or infinite here, "
+                "so there are no derivatives at a fixed value of the control: give the load "
+                "instead",
                 "control",
             )
         load = (target - of_change) / of_load

@@ -119,8 +119,9 @@ class ParameterRates(sie.Kept):
             return Direction.by_parameter(profile, to, places_of(profile, self.solution.zones))
         except MovedPlaces:
             raise SceneError(
-                f"{to.key}: it moves corners, kinks or jumps of the profile, and derivatives by "
-                "their places are not known: use differences of solutions",
+                f"{to.key}: this parameter moves corners, kinks or jumps of the profile, and "
+                "derivatives by their positions are not available: use finite differences of "
+                "solutions",
                 "to",
                 to.key,
             ) from None
@@ -221,8 +222,9 @@ class ParameterRates(sie.Kept):
         value = float(getattr(law, name))
         if law.kappa != remade(law, {name: value * (1 + STEP) or STEP}).kappa:
             raise SceneError(
-                f"law.{name}: it changes the pressure of bodies that differ elastically, and "
-                "derivatives by it are not known: use differences of solutions",
+                f"law.{name}: this parameter changes how friction acts on the pressure of "
+                "elastically different bodies, and derivatives by it are not available: use finite "
+                "differences of solutions",
                 "to",
                 f"law.{name}",
             )
@@ -262,7 +264,9 @@ class ParameterRates(sie.Kept):
         assert period is not None
         if not scene.operator.is_plain or scene.operator.is_own or len(scene.profile.bodies) > 1:
             raise SceneError(
-                "profile.period: derivatives by it are known for one body on a half-plane",
+                "profile.period: derivatives by the period are available only for a single "
+                "profile on a half-plane, with an interaction of this package: use finite "
+                "differences of solutions",
                 "to",
                 "profile.period",
             )
@@ -270,8 +274,9 @@ class ParameterRates(sie.Kept):
             change = self.linearized.along(Direction.by_period(scene.profile))
         except MovedPlaces:
             raise SceneError(
-                "profile.period: the places of points, kinks or jumps do not grow with it: use "
-                "differences of solutions",
+                "profile.period: the positions of kinks, jumps or algebraic points of the profile "
+                "are not proportional to the period, so derivatives by the period are not "
+                "available: use finite differences of solutions",
                 "to",
                 "profile.period",
             ) from None
@@ -288,7 +293,8 @@ class ParameterRates(sie.Kept):
 
 def _not_known(x: Array) -> Array:
     raise SceneError(
-        "the derivative of the pressure by the period at fixed x is not known: use that of numbers",
+        "the derivative of pressure(x) by the period is not available: use `of(number, to=...)` "
+        "for a number such as max_pressure",
         "x",
     )
 

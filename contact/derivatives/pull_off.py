@@ -48,17 +48,19 @@ class PullOffRates(sie.Kept):
         held_quantity = scene.control_object.held(scene)
         if held_quantity is None or held_quantity.quantity is not Quantity.LOAD:
             raise SceneError(
-                "derivatives of the pull-off are known under a given load or mean pressure",
+                "derivatives of the pull-off load are available only if the scene gives the load "
+                "or the mean pressure",
                 "number",
                 "pull_off",
             )
         last = solution.pull_off
         if last is None or not isinstance(fields, ZoneFields):
-            raise SceneError("this contact has no pull-off", "number", "pull_off")
+            raise SceneError("this contact has no pull-off load", "number", "pull_off")
         self.problem, self.load = fields.problem, last.load
         if self.problem.corners != (-np.inf, np.inf):
             raise SceneError(
-                "derivatives of the pull-off are not known between sharp corners",
+                "derivatives of the pull-off load are not available for a profile with sharp "
+                "corners at its ends",
                 "number",
                 "pull_off",
             )

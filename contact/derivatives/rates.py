@@ -94,12 +94,12 @@ def rate_of(fields: Fields, direction: Profile, load: float, moment: float = 0.0
         if isinstance(fields, GapFields):
             return _of_gaps(fields, direction, load_rates)
     except (ValueError, sie.SingularSystem) as error:
-        raise SceneError(f"no derivative along this change: {error}", "change") from error
+        raise SceneError(f"a derivative could not be computed: {error}", "change") from error
     if isinstance(fields, FullFields):
         return _of_full(fields, direction, load)
     raise SceneError(
-        "derivatives are known for contact by zones, by gaps and in full contact; this one is "
-        f"none of them ({type(fields).__name__})",
+        "derivatives are available only for a contact with zones or in full contact, not for "
+        f"fields of the type {type(fields).__name__}",
         "solution",
     )
 

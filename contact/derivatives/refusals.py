@@ -16,35 +16,38 @@ def refuse(solution: Solution) -> None:
     scene, fields = solution.scene, solution.fields
     if not isinstance(fields, (ZoneFields, GapFields, FullFields)):
         raise SceneError(
-            f"derivatives are known for contact that {scene.law.name} bodies have on zones, on "
-            f"gaps or everywhere, not for this one ({type(fields).__name__})",
+            "derivatives are available only for a contact with zones or in full contact, not for "
+            f"this solution under the law {scene.law.name}, whose fields are of the type "
+            f"{type(fields).__name__}",
             "solution",
         )
     if scene.law.tension or isinstance(fields, ZoneFields) and len(fields.cohesive):
         raise SceneError(
-            f"the law {scene.law.name}: the ends of its tension move with a condition on the gap, "
-            "and derivatives by that are not known: use differences of solutions",
+            f"derivatives are not available under the law {scene.law.name}, whose tension acts "
+            "over a range of gaps: use finite differences of solutions",
             "law",
         )
     if len(fields.plateaus):
         raise SceneError(
-            "contact with plateaus of the pressure: derivatives are known for elastic contact "
-            "only: use differences of solutions",
+            "derivatives are available only for elastic contact, not for plateaus of the "
+            "pressure: use finite differences of solutions",
             "solution",
         )
     if scene.interaction.strip:
         raise SceneError(
-            "localized: the strip and its nominal pressure follow the zones, and derivatives by "
-            "that are not known: use contact.Isolated() or contact.Periodic()",
+            f"derivatives are not available with the {scene.interaction.name} interaction, whose "
+            "strip is centred on the zones: use contact.Isolated() or contact.Periodic()",
             "interaction",
         )
     if scene.control_object.held(scene) is None:
         raise SceneError(
-            f"the control {scene.control[0]}: derivatives are known at a given load, mean "
-            "pressure, approach, half width or contact fraction",
+            f"derivatives are not available at a given {scene.control[0]}: give the load, mean "
+            "pressure, approach, half width or contact fraction instead",
             "control",
         )
     if isinstance(fields, FullFields) and scene.given_fraction is not None:
         raise SceneError(
-            "full contact under a given contact fraction: state the load instead", "control"
+            "in full contact, derivatives are not available at a given contact fraction: give the "
+            "load instead",
+            "control",
         )

@@ -158,8 +158,8 @@ class Response:
             table, slack = getattr(values, number), 4 * float(np.max(error))
             if np.ptp(table) > slack:
                 note = (
-                    f"{len(table)} {PLACES[number]}: the derivative is one-sided, that of the "
-                    "largest"
+                    f"there are {len(table)} {PLACES[number]}: the derivative is one-sided, the "
+                    "largest of those at these places"
                 )
         return Derivative(value, error, note)
 
@@ -173,20 +173,23 @@ class Response:
         first = int(np.argmin(rates))
         note = self.note
         if np.ptp(rates) > 4 * float(error.max()):
-            note = f"{len(rates)} places yield first: the derivative is one-sided, the smallest"
+            note = (
+                f"{len(rates)} places yield first, at the same load: the derivative is one-sided, "
+                "the smallest of those at these places"
+            )
         return Derivative(float(rates[first]), float(error[first]), note)
 
     def _missing(self, number: str) -> str:
         if number == "max_pressure":
-            return "the largest pressure is infinite, or constant at a limit: no derivative"
+            return "the largest pressure is infinite or fixed at a limit: it has no derivative"
         if number == "max_stress":
-            return "the stresses are infinite at ends: no derivative"
+            return "the stress is infinite at ends of zones: the largest stress has no derivative"
         if number == "stiffness":
             return (
-                "its derivative is known where the stiffness is finite, without friction between "
-                "unlike bodies and without edge intensities"
+                "the derivative is available only if the stiffness is finite, without adhesion and "
+                "without friction between elastically different bodies"
             )
-        return "the scene does not define it, or it is infinite"
+        return "the scene does not define this number, or its derivative is infinite"
 
     def pressure(self, x: ArrayLike) -> Array:
         """Derivative of the pressure by the parameter, at fixed x [m] of any array shape.

@@ -159,7 +159,9 @@ class Sensitivity(sie.Kept):
         one_of("to", key, self._rates.values)
         value = self._rates.values[key]
         if (index is not None) != (np.ndim(value) == 1):
-            raise SceneError.of("to", to, f"{key}[k] for an array, and {key} for a number")
+            raise SceneError.of(
+                "to", to, f"{key}[k] if {key} is an array, and {key} if it is a number"
+            )
         if index is not None and not 0 <= index < len(value):
             raise SceneError.of("to", to, f"an index from 0 to {len(value) - 1}")
         if to not in self._known:
@@ -244,8 +246,8 @@ class Sensitivity(sie.Kept):
         profile = self.solution.scene.profile
         if not isinstance(profile, Sampled):
             raise SceneError(
-                f"the {profile.name} profile has no heights: use `of(number, to=...)`, or "
-                "contact.Sampled",
+                f"the {profile.name} profile has no heights as parameters: use "
+                "`of(number, to=...)`, or a contact.Sampled profile",
                 "profile",
             )
         weights = self._functionals.entry(number, index)
@@ -307,17 +309,14 @@ class Sensitivity(sie.Kept):
         certificate = solution.certificate
         if certificate.undecided:
             return (
-                "an event: a gap, or a minimum of the pressure, is zero within rounding, so that a "
-                "zone is about to be born, to close or to part: derivatives are one-sided, those "
-                "of the zones that there are"
+                "a gap or a minimum of the pressure is zero within rounding, so a zone is about to "
+                "appear, to merge with another or to split: derivatives are one-sided, those of "
+                "the present zones"
             )
         if isinstance(solution.fields, FullFields) and (
             abs(certificate.smallest_pressure) <= 10 * solution.error * solution.max_pressure
         ):
-            return (
-                "an event: full contact begins here: derivatives are one-sided, those of full "
-                "contact"
-            )
+            return "full contact begins here: derivatives are one-sided, those of full contact"
         return ""
 
 
@@ -386,9 +385,14 @@ def sensitivity(
         return Sensitivity(solution, stress=LargestStress(solution, rule))
     found = solution.solution
     if found is None or solution.note:
-        raise SceneError(f"first yield: {solution.note}: its load has no derivatives", "solution")
+        raise SceneError(
+            f"the load of first yield has no derivatives, since there is {solution.note}",
+            "solution",
+        )
     if nu is not None:
-        raise SceneError.of("nu", nu, "left out for a contact.Yield, which has its own")
+        raise SceneError.of(
+            "nu", nu, "left out for a contact.Yield, which has its own Poisson's ratio"
+        )
     refuse(found)
     assert solution.criterion is not None
     stress = LargestStress(found, solution.criterion, solution.error)

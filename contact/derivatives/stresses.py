@@ -82,8 +82,8 @@ class LargestStress(sie.Kept):
         self.local = local
         if infinite_at(solution) is not None:
             raise SceneError(
-                "the stress is infinite at a sharp corner or tip, or an adhesive end: it has no "
-                "derivatives",
+                "the stress is infinite at a sharp corner or tip, or at the end of an adhesive "
+                "zone: the largest stress has no derivatives",
                 "solution",
             )
 
@@ -223,9 +223,9 @@ class LargestStress(sie.Kept):
         # The search finds a point to within 1e-4 of the half width.
         if np.all(np.abs(away) > half * (1 - 1e-3)):
             raise SceneError(
-                f"the largest stress is on the surface, at the end x = {x:.6g} m of a zone: there "
-                "the derivative of the pressure is infinite, and that of the stress is not known: "
-                "use differences of solutions",
+                f"the largest stress is on the surface, at the end x = {x:.6g} m of a zone. "
+                "Derivatives are not available there, since that of the pressure is infinite: use "
+                "finite differences of solutions",
                 "solution",
             )
 

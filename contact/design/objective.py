@@ -98,14 +98,18 @@ class Measured:
     def __init__(self, number: str, values: ArrayLike, deviation: ArrayLike = 1.0) -> None:
         one_of("objective.number", number, NUMBERS)
         if number.startswith("zone"):
-            raise SceneError.of("objective.number", number, "a number that is no array")
+            raise SceneError.of("objective.number", number, "a result that is no array")
         try:
             measured = np.atleast_1d(np.asarray(values, dtype=float))
             spread = np.broadcast_to(np.asarray(deviation, dtype=float), measured.shape)
         except ValueError:
-            raise SceneError.of("deviation", deviation, "numbers, as many as values") from None
+            raise SceneError.of(
+                "deviation",
+                deviation,
+                "a number, or a number for each of the values; the values must be numbers, too",
+            ) from None
         if not (np.isfinite(measured).all() and np.isfinite(spread).all() and np.all(spread > 0)):
-            raise SceneError.of("values", values, "finite numbers, with positive deviations")
+            raise SceneError.of("values", values, "finite numbers, with finite deviations > 0")
         for name, value in (("number", number), ("values", measured), ("deviation", spread)):
             object.__setattr__(self, name, value)
 
@@ -153,7 +157,7 @@ class StressObjective:
         if self.of == "first_yield":
             positive("strength", self.strength)
         elif self.strength is not None:
-            raise SceneError.of("strength", self.strength, "left out for the largest stress")
+            raise SceneError.of("strength", self.strength, "left out for number = 'max_stress'")
 
     @property
     def of(self) -> str:
@@ -178,15 +182,15 @@ def objective_of(given: Any) -> Objective | Measured | StressObjective:
     if isinstance(given, (Objective, Measured, StressObjective)):
         return given
     if not isinstance(given, str):
-        raise SceneError.of("objective", given, "the name of a number, or a contact.Objective")
+        raise SceneError.of("objective", given, "the name of a result, or a contact.Objective")
     sign, number = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
     if number in STRESSES:
         raise SceneError.of(
-            "objective", given, "a contact.StressObjective, which has the criterion"
+            "objective", given, "a contact.StressObjective, which also gives the yield criterion"
         )
     one_of("objective", number, NUMBERS)
     if number.startswith("zone"):
-        raise SceneError.of("objective", given, "a number that is no array, or a contact.Objective")
+        raise SceneError.of("objective", given, "a result that is no array, or a contact.Objective")
 
     def mean(values: Sequence[Array]) -> tuple[float, Sequence[ArrayLike]]:
         share = sign / len(values)

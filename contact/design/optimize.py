@@ -87,12 +87,16 @@ def optimize(
     if not values:
         raise SceneError.of("at", at, "one or more values of the control")
     if isinstance(wanted, Measured) and len(wanted.values) != len(values):
-        raise SceneError.of("values", wanted.values, f"{len(values)} of them, one for each of `at`")
+        raise SceneError.of(
+            "values", wanted.values, f"{len(values)} numbers, one for each value of the control"
+        )
     problem = Problem(variables, wanted, _conditions(subject_to), values, tolerance(tol))
     if not isinstance(wanted, Measured):
         return minimum(problem)
     if problem.conditions:
-        raise SceneError.of("subject_to", subject_to, "left out for measured values")
+        raise SceneError.of(
+            "subject_to", subject_to, "left out if the objective is a contact.Measured"
+        )
     return least_squares(problem)
 
 
@@ -106,6 +110,8 @@ def _conditions(given: Any) -> tuple[Condition, ...]:
         one_of("subject_to", number, [name for name in NUMBERS if name not in TABLES])
         lo, hi = -np.inf if low is None else low, np.inf if high is None else high
         if not lo < hi:
-            raise SceneError.of("subject_to", one, "bounds, the lowest below the highest")
+            raise SceneError.of(
+                "subject_to", one, "(number, lowest, highest), the lowest value below the highest"
+            )
         out.append(Condition(number, float(lo), float(hi)))
     return tuple(out)

@@ -54,7 +54,8 @@ class Places:
             )
             if found.solution is None or found.note:
                 raise SceneError(
-                    f"first yield: {found.note}: its load has no derivatives", "objective"
+                    f"the load of first yield has no derivatives, since there is {found.note}",
+                    "objective",
                 )
             solution, yield_error = found.solution, found.error
         stress = LargestStress(solution, wanted.rule, yield_error, local=True)

@@ -146,7 +146,9 @@ class Problem:
         for one in self.contact(vector).solutions:
             value = getattr(one, number)
             if value is None or not np.all(np.isfinite(value)):
-                raise SceneError(f"{number} is infinite, or the scene does not define it", number)
+                raise SceneError(
+                    f"{number} is infinite for a design, or the scene does not define it", number
+                )
             out.append(np.asarray(value, dtype=float))
         return out
 

@@ -180,8 +180,8 @@ def _design(problem: Problem, vector: Array, optimality: float, message: str) ->
     violation = problem.violation(vector)
     if violation > TOLERANCES.margin * problem.tol:
         raise NotConverged(
-            f"no design met satisfies the conditions: the nearest one misses a bound by "
-            f"{violation:.2g} of its size ({message})",
+            "no evaluated design satisfies the conditions `subject_to`: the best one violates a "
+            f"bound by {violation:.2g} of the bound's size (the search ended with: {message})",
             problem.history,
             design,
         )

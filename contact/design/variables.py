@@ -39,7 +39,7 @@ class Variables:
             raise SceneError.of(
                 "over",
                 over,
-                "a mapping of one or more names, such as 'profile.amplitude', to bounds",
+                "a dictionary of names and bounds, such as {'profile.amplitude': (1e-7, 1e-6)}",
             )
         known = numbers_of(scene)
         own = {one_of("over", name, known): known[name] for name in over}
@@ -52,12 +52,16 @@ class Variables:
                 count = max(value.size, *(np.size(bound) for bound in bounds)) if value.ndim else 1
                 lo, hi = (np.broadcast_to(np.asarray(b, dtype=float), (count,)) for b in bounds)
             except (TypeError, ValueError):
-                raise SceneError.of(name, bounds, "(lowest, highest), numbers or arrays") from None
+                raise SceneError.of(
+                    name, bounds, "(lowest, highest), each a number or an array of matching length"
+                ) from None
             if not (np.isfinite(lo).all() and np.isfinite(hi).all() and np.all(lo < hi)):
                 raise SceneError.of(name, bounds, "finite bounds, the lowest below the highest")
             first = _padded(value, count)
             if np.any((first < lo) | (first > hi)):
-                raise SceneError.of(name, bounds, f"bounds around the scene's own value, {value}")
+                raise SceneError.of(
+                    name, bounds, f"bounds that contain the scene's own value, {value}"
+                )
             counts.append(count)
             low.append(lo)
             high.append(hi)

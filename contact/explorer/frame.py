@@ -234,13 +234,13 @@ def message(error: Exception) -> str:
     """The text that the page shows instead of a solution if `error` was raised."""
     if isinstance(error, NotConverged) and isinstance(error.best, Solution):
         return (
-            f"{error}. The best that was reached has a stated error of {error.best.error:.1e}; "
+            f"{error}. The most accurate solution has a stated error of {error.best.error:.1e}; "
             "it is not drawn."
         )
     if isinstance(error, ContactError):
         return str(error)
     text = " ".join(str(error).split())
-    return f"a fault of the program, not of the scene ({type(error).__name__}: {text})"
+    return f"an error of the program, not of the scene ({type(error).__name__}: {text})"
 
 
 def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[str, str]]:

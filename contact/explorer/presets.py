@@ -26,7 +26,7 @@ _PERIODIC = """
 model = "periodic"
 """
 _ROUGH = """
-[profile]             # 24 waves, as of a ground surface
+[profile]             # 24 waves, similar to a ground surface
 shape = "fourier"
 period = 1e-3
 cosine = [{cosine}]
@@ -100,9 +100,9 @@ radius = 0.01
 {_RUBBER}
 [interaction]
 model = "isolated"
-datum = 1e-3          # the approach counts from here
+datum = 1e-3          # at this distance a line load causes no displacement
 
-[law]                 # adhesion without range
+[law]                 # adhesion of zero range
 model = "jkr"
 work = 0.05           # [J/m^2]
 
@@ -176,7 +176,7 @@ load = 500.0
 """,
     ),
     "plastic": Preset(
-        "The rough steel surface: where it yields, the pressure is the hardness",
+        "The rough steel surface: where it yields, the pressure equals the hardness",
         f"""
 {_ROUGH}{_STEEL}{_PERIODIC}
 [law]                 # the pressure is at most the hardness

@@ -49,9 +49,7 @@ class Page:
         try:
             self._server = _Server((ADDRESS, port or 0), _Handler)
         except OSError as error:
-            raise SceneError.of(
-                "port", port, f"one that is free ({error.strerror or error})"
-            ) from error
+            raise SceneError.of("port", port, f"a free port ({error.strerror or error})") from error
         self._server.given, self._server.tol = given, tol
         self.address = f"http://{ADDRESS}:{self._server.server_port}/"
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)

@@ -277,8 +277,8 @@ class Session:
             return f"# {error}\n"
         if len(text) > OPTIONS.max_text:
             return (
-                f"# {len(text):,} letters, most of them of points: "
-                "save them to a file that [profile] names\n"
+                f"# this scene has {len(text):,} characters, most of them for the points of the "
+                "profile: save the points to a file and name this file in [profile]\n"
             )
         return text
 

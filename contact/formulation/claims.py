@@ -302,7 +302,7 @@ def _mismatch(profile: Profile, panels: _Panels, least: float) -> tuple[float, s
     k = int(which[worst])
     return float(relative[worst]), (
         f"{_kind(profile)} disagrees with the height: from x = {panels.a[k]:.9g} to "
-        f"{panels.b[k]:.9g} m the height rises by {panels.rise[k]:.9g} m, the integral of the "
+        f"{panels.b[k]:.9g} m the height rises by {panels.rise[k]:.9g} m, but the integral of the "
         f"slope is {panels.integral[k]:.9g} m"
     )
 
@@ -359,8 +359,8 @@ def _kink_fault(profile: Profile, panels: _Panels) -> str:
     if not error[worst] > 0.0:
         return ""
     return (
-        f"kink declared at {kinks[worst, 0]:.9g} with jump {kinks[worst, 1]:.6g}: the slope "
-        f"jumps by {seen[worst]:.6g} there"
+        f"kink declared at x = {kinks[worst, 0]:.9g} m with the jump {kinks[worst, 1]:.6g}, but "
+        f"the slope jumps by {seen[worst]:.6g} there"
     )
 
 
@@ -376,7 +376,8 @@ def _symmetry_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> 
         here,
         there,
         panels,
-        "symmetric is claimed, but the height is {0:.9g} at {1:.6g} and {2:.9g} at {3:.6g}",
+        "symmetric is claimed, but the height is {0:.9g} m at x = {1:.6g} m and {2:.9g} m at "
+        "x = {3:.6g} m",
         -x,
     )
 
@@ -387,8 +388,8 @@ def _period_fault(profile: Profile, panels: _Panels) -> str:
         return ""
     x = panels.a + profile.period
     message = (
-        "the height does not repeat with the period: it is {0:.9g} at {1:.6g} and {2:.9g} "
-        "at {3:.6g}"
+        "the height does not repeat with the period: it is {0:.9g} m at x = {1:.6g} m and "
+        "{2:.9g} m at x = {3:.6g} m"
     )
     return _differ(
         panels.a,
@@ -427,6 +428,7 @@ def _summit_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> st
     if not below > allowed + CHECKS.same * float(np.ptp(panels.heights[0])):
         return ""
     return (
-        f"summits are the lowest places, {top:.9g} m, but the height is "
-        f"{panels.heights[0, lowest]:.9g} m at {panels.a[lowest]:.6g}"
+        "summits are not the lowest places of the profile: the lowest summit has the height "
+        f"{top:.9g} m, but the height at x = {panels.a[lowest]:.6g} m is "
+        f"{panels.heights[0, lowest]:.9g} m"
     )

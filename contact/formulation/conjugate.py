@@ -132,7 +132,7 @@ class Conjugate(sie.Kept):
         if series.settled:
             return series
         return Transform(
-            closed, difference, "slope_conjugate is so far from the transform of the slope"
+            closed, difference, "slope_conjugate differs too much from the transform of the slope"
         )
 
     def _of_bodies(self) -> "Transform":
@@ -168,12 +168,11 @@ class Conjugate(sie.Kept):
         size = max(float(np.abs(there).max()), series.scale)
         if not difference[worst] <= CHECKS.same * size + 2 * series.error:
             at, given, wanted = (float(values[worst]) for values in (x, here, there))
-            less = ", less the logarithms of the kinks," if len(self.kinks) else ""
+            less = ", both without the logarithms of the kinks" if len(self.kinks) else ""
             raise SceneError(
                 f"slope_conjugate disagrees with the slope: at x = {at:.6g} m it is "
-                f"{given:.6g}{less} "
-                f"and (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi is {wanted:.6g}; put it right or "
-                "leave it out",
+                f"{given:.6g}, but (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi is "
+                f"{wanted:.6g}{less}: correct slope_conjugate, or leave it out",
                 "profile",
                 self.profile,
             )
@@ -382,19 +381,20 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
     last, before = _last_octaves(size)
     if settled or last >= OPTIONS.no_decay * before:
         return (
-            f"the slope of the profile is known to {last * np.sqrt(len(x)):.1e} only, as where it "
-            "is derived from heights "
-            "that carry a large constant, or where places are counted from far away"
+            f"the slope of the profile has errors of about {last * np.sqrt(len(x)):.1e}, for "
+            "example because it is derived from heights with a large constant, or because x is far "
+            "from 0"
         )
     steps = np.abs(np.diff(smooth, append=smooth[:1]))
     at = int(np.argmax(steps))
     if steps[at] > CHECKS.stands_out * float(np.median(steps)):
         return (
-            f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, and kinks of the profile "
-            "does not say so"
+            f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, but kinks of the profile "
+            "does not declare this jump"
         )
     return (
-        f"the slope, but for the jumps that are declared, varies over less than {x[1] - x[0]:.1e} m"
+        "apart from its declared jumps, the slope of the profile varies over lengths below "
+        f"{x[1] - x[0]:.1e} m"
     )
 
 

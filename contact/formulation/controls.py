@@ -230,8 +230,7 @@ def scaled_control(scene: Scene, units: Units) -> Control:
     scaled = value / unit if unit > 0.0 else math.inf
     if not math.isfinite(scaled) or (scaled == 0.0 and value != 0.0):
         raise OutOfRange(
-            f"{kind.name} {value:.6g} and the scene's own size, {unit:.6g}, lie farther apart than "
-            "numbers reach: are the units those "
-            "of SI?"
+            f"the ratio of the {kind.name} {value:.6g} to the scene's own size, {unit:.6g}, is "
+            "outside the range of floating-point numbers: check that all data are in SI units"
         )
     return kind(scaled)

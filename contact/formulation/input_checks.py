@@ -69,9 +69,9 @@ def height_rounding(problem: Problem, table: Array) -> str:
     rises, rounded = (quantity(part * height, "m", 2) for part in (rise, largest))
     return (
         f"the heights of the profile vary by {rises} over {quantity(width, 'm', 2)} of contact, "
-        f"and are rounded to about {rounded}: {left}, as of a small difference of "
-        "large numbers; give the height in a form that keeps them near its lowest place, as "
-        "2 sinh(x/2)^2 for cosh(x) - 1"
+        f"but are rounded to about {rounded}: {left}. A small difference of large numbers loses "
+        "digits: write the height in a form that keeps its digits near the lowest place, such as "
+        "2 sinh(x/2)^2 instead of cosh(x) - 1"
     )
 
 

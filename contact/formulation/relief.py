@@ -114,7 +114,7 @@ class Relief(Conjugate):
     @property
     def limit(self) -> str:
         """Main cause of the error of the relief R, as text for messages."""
-        return self._plain.limit or "noise of the heights is large in the transform for this body"
+        return self._plain.limit or "noise of the heights causes large errors for this substrate"
 
 
 @record

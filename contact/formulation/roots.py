@@ -62,7 +62,7 @@ def smooth_root(
         steps.append(step)
         points[guess] = function(guess)
         low, high = (guess, high) if (points[guess] < 0.0) == rises else (low, guess)
-    raise RuntimeError(f"no root was closed in on between {low!r} and {high!r}")
+    raise RuntimeError(f"the search for a root between {low!r} and {high!r} did not converge")
 
 
 def _inverse(points: dict[float, float]) -> float:

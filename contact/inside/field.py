@@ -42,13 +42,12 @@ def body_points(x: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
     """Points (x, y) [m] as arrays of one shape; SceneError names a depth y < 0."""
     x, y = real("x", x), real("y", y)
     if np.any(y < 0):
-        raise SceneError.of("y", float(y[y < 0].ravel()[0]), "at least 0: y is the depth")
+        raise SceneError.of("y", float(y[y < 0].ravel()[0]), "at least 0, since y is the depth")
     try:
         x, y = np.broadcast_arrays(x, y)
     except ValueError:
         raise SceneError(
-            f"x and y are places of points, and their shapes {x.shape} and {y.shape} do not fit",
-            "y",
+            f"x and y must have shapes that broadcast together, not {x.shape} and {y.shape}", "y"
         ) from None
     return x, y
 
@@ -57,13 +56,14 @@ def needs_half_plane(operator: Operator) -> None:
     """Raise SceneError unless the body is a half-plane, whose inside is known."""
     if operator.is_own or operator.own_columns:
         raise SceneError(
-            "there are no stresses under an own interaction: its kernel describes the surface only",
+            "stresses in the body are not available with your own interaction, which describes the "
+            "surface only: use contact.Isolated() or contact.Periodic()",
             "interaction",
         )
     if not operator.is_plain:
         raise SceneError(
-            f"there are no stresses in the substrate {operator.substrate.name}: its symbol "
-            "describes the surface only; take contact.HalfPlane()",
+            f"stresses in the body are not available for the substrate {operator.substrate.name}, "
+            "whose symbol describes the surface only: use contact.HalfPlane()",
             "substrate",
         )
 

@@ -230,7 +230,7 @@ class _Samples:
         period, detail = scene.period, scene.profile.resolution or np.inf
         if len(zones) == 0:
             if period is None:
-                raise SceneError("surfaces apart do not yield", "load")
+                raise SceneError("the surfaces do not touch, so they do not yield", "load")
             zones = scene.profile.x0 + np.array([[0.0, period]])
             detail = min(detail, period / 16)
         parts, scales = [], []

@@ -134,7 +134,7 @@ def tension_along(lateral: str, deep: float, nu: float | None) -> float:
     one_of("lateral", lateral, LATERAL)
     if lateral == "confined":
         if nu is None:
-            raise SceneError.of("nu", nu, "Poisson's ratio, which lateral = 'confined' needs")
+            raise SceneError.of("nu", nu, "Poisson's ratio, since lateral = 'confined' needs it")
         nu = poisson_ratio("nu", nu)
         return deep * (1 - 2 * nu) / (1 - nu)
     return deep if lateral == "free" else 0.0

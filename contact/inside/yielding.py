@@ -94,7 +94,7 @@ def first_yield(
     value = body.scene.control[1]
     if value <= 0:
         raise SceneError.of(
-            body.scene.control[0], value, "above 0: first yield is found by raising it"
+            body.scene.control[0], value, "above 0, since first yield is found by changing it"
         )
     search.add(value, body)
     return search.run()
@@ -149,8 +149,8 @@ class _Search:
     def solve(self, level: float) -> Point:
         if self.solves >= LARGEST.max_steps:
             raise OutOfRange(
-                f"first yield is not found by {self.solves} contacts: the largest stress does not "
-                "reach the strength, or changes slowly with the load"
+                f"first yield was not found within {self.solves} solutions: the largest stress "
+                "does not reach the strength, or it changes too slowly with the load"
             )
         value = float(np.exp(level))
         return self.add(value, self.at(value))
@@ -171,8 +171,8 @@ class _Search:
                 rate = (new[1] - last[1]) / (new[0] - last[0])
                 if rate < 1e-6 and new[1] < 0:
                     raise OutOfRange(
-                        f"no yield: the largest stress is {np.exp(new[1]):.3g} of the strength and "
-                        "no longer grows with the load"
+                        f"no yield: the largest stress is {np.exp(new[1]):.3g} times the strength "
+                        "and no longer grows with the load"
                     )
                 slope = float(np.clip(rate, 0.05, 4.0))
             last = new
@@ -206,8 +206,8 @@ class _Search:
         most = float(self.criterion.bound(np.array(highest), highest, deep))
         if self.strength > most:
             raise OutOfRange(
-                f"no yield: pressures up to {highest:.6g} Pa cause stresses of at most {most:.4g} "
-                "Pa, and these do not reach the strength"
+                f"no yield: pressures up to {highest:.6g} Pa, the limit of the law, cause a stress "
+                f"of at most {most:.4g} Pa, which is below the strength"
             )
 
     def _scanned(self, point: Point, most: float, end: float) -> Yield:
@@ -221,7 +221,7 @@ class _Search:
             load += 0.5 * min(load, most - load)
             new = self._trial(float(np.log(load)))
             if new is None:
-                ended = f"; no contact was found under {load:.6g} N/m, and no larger load was tried"
+                ended = f"; at {load:.6g} N/m no contact was found, and no larger load was tried"
                 # The largest load with a contact is approached by bisection.
                 most, load = load, points[-1][2].load
                 continue
@@ -241,8 +241,9 @@ class _Search:
         if not ended and np.isinf(bearing_width(top[2].scene)):
             ended = "; no larger load was tried"
         raise OutOfRange(
-            f"no yield: under no load up to {points[-1][2].load:.6g} N/m does the stress reach the "
-            f"strength; the largest is {top[3].stress:.4g} Pa, under {top[2].load:.4g} N/m{ended}"
+            "no yield: the stress does not reach the strength at loads up to "
+            f"{points[-1][2].load:.6g} N/m; the largest stress is {top[3].stress:.4g} Pa, at "
+            f"{top[2].load:.4g} N/m{ended}"
         )
 
     def _cornered(self, x: float, reached: float) -> Yield:
@@ -261,8 +262,8 @@ class _Search:
         if point[1] >= 0:
             return Yield(0.0, peak.x, peak.y, 0.0, _BLUNTED)
         raise OutOfRange(
-            f"no yield: the largest stress of a wedge is {peak.stress:.4g} Pa under any load, and "
-            "does not reach the strength"
+            f"no yield: the largest stress of a wedge is {peak.stress:.4g} Pa under any load, "
+            "which is below the strength"
         )
 
     def _between(self, below: Point, above: Point) -> Yield:
@@ -374,7 +375,8 @@ def _rate(one: Point, other: Point) -> float:
 
 
 _NOTE = (
-    "a sharp corner, a sharp tip or an adhesive end, where the stress is infinite under any load"
+    "a sharp corner, a sharp tip or an adhesive end of a zone, where the stress is infinite under "
+    "any load"
 )
 
 
@@ -391,7 +393,7 @@ def _may_reach(points: list[Point]) -> bool:
     return middle[1] + max(rise * right / left, fall * left / right) >= 0
 
 
-_BLUNTED = "a sharp corner or tip, where the pressure is at its limit under any load"
+_BLUNTED = "a sharp corner or tip, where the pressure equals its limit under any load"
 
 
 def _is_wedge(body: Body) -> bool:

@@ -206,16 +206,18 @@ class OneZoneClosure:
                 there = 0.5 * (least + high)
             width = min(there, 2 * width)
         raise NotConverged(
-            f"not converged: the width under the first-order closure did not settle; {EXACT}"
+            "not converged: the total width of the zones under the first-order closure did not "
+            f"settle; {EXACT}"
         )
 
     def _refused(self, control: Control, low: _AtWidth) -> OutOfRange:
         units = self.problem.units
         largest = low.present * control.unit(units)
         return OutOfRange(
-            f"{control.described(units)} is beyond the largest that the first-order closure "
-            f"carries on the branch from zero load, {largest:.6g} at total width "
-            f"{low.width * units.length:.6g} m; interaction = Periodic() has no such limit"
+            f"{control.described(units)} is beyond the largest value under the first-order closure "
+            f"on the branch from zero load, {largest:.6g} at a total zone width of "
+            f"{low.width * units.length:.6g} m: use interaction = Periodic(), which has no such "
+            "limit"
         )
 
 

@@ -188,7 +188,7 @@ class SeveralZones:
                 return found
             failure = found
         reason = (
-            "the profile alone, which the first-order closure refers to: "
+            "the isolated reference contact of the first-order closure was not found: "
             f"{failure.reason}; {INSTEAD}"
         )
         raise self.context.error(replace(failure, reason=reason), problem)
@@ -197,8 +197,8 @@ class SeveralZones:
 def no_isolated_load() -> OutOfRange:
     """The error that is raised if the contact width hardly depends on the isolated load."""
     return OutOfRange(
-        "under the first-order closure the zones reach from corner to corner, where every isolated "
-        f"load has their width: none is told from others; {INSTEAD}"
+        "the first-order closure finds an isolated load from the width of the zones, but the zones "
+        f"reach from corner to corner and have this width under every isolated load; {INSTEAD}"
     )
 
 

@@ -111,5 +111,6 @@ def no_centre(problem: Problem, control: Control) -> ContactError:
     closure, instead = ("first-order", INSTEAD) if first else ("self-consistent", EXACT)
     return OutOfRange(
         f"{control.described(problem.units)}: under the {closure} closure no strip is centred on "
-        f"its zones, since one beside its border comes or goes as it is moved there; {instead}"
+        "its zones, since a zone beside the border of the strip appears or disappears as the strip "
+        f"is moved; {instead}"
     )

@@ -29,7 +29,7 @@ def checked_number(field: str, value: Any, allowed: str, holds: Callable[[float]
     except OverflowError:
         number = nan
     if hasattr(value, "magnitude"):
-        allowed += ", in SI units and without a unit object"
+        allowed += ", as a plain value in SI units without a unit object"
     if not (isfinite(number) and holds(number)):
         raise SceneError.of(field, value, allowed)
     return number
@@ -109,7 +109,7 @@ def both_or_neither(E2: float | None, nu2: float | None) -> None:
     for name, value, other, given in (("E2", E2, "nu2", nu2), ("nu2", nu2, "E2", E2)):
         if value is None and given is not None:
             raise SceneError.of(
-                name, value, f"given with {other}, or both left out for a rigid counter-body"
+                name, value, f"given together with {other}; leave out both for a rigid counter-body"
             )
 
 
@@ -142,7 +142,7 @@ def between(field: str, value: Any, low: float, high: float) -> float:
 def poisson_ratio(field: str, value: Any) -> float:
     """Return the Poisson ratio of a stable body: above -1 and at most 0.5."""
     return checked_number(
-        field, value, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5
+        field, value, "a Poisson's ratio, above -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5
     )
 
 
@@ -193,7 +193,9 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
     ):
         raise SceneError.of(field, value, allowed)
     if hasattr(value, "magnitude"):
-        raise SceneError.of(field, value, allowed + ", in SI units and without a unit object")
+        raise SceneError.of(
+            field, value, allowed + ", as plain values in SI units without a unit object"
+        )
     if np.ma.is_masked(value) or (
         isinstance(value, (list, tuple)) and any(v is np.ma.masked for v in value)
     ):
@@ -203,7 +205,7 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
     except (TypeError, ValueError):
         raise SceneError.of(field, value, allowed) from None
     if raw.dtype.kind not in "iuf" or (ndim is not None and raw.ndim != ndim) or raw.size < least:
-        got = f"{'of' if raw.size else 'empty'} shape {raw.shape}, type {raw.dtype}"
+        got = f"{'an' if raw.size else 'an empty'} array of shape {raw.shape}, type {raw.dtype}"
         raise SceneError.of(field, value, f"{allowed} (got {got})")
     array = np.array(raw, dtype=np.float64)
     if not np.isfinite(array).all():
@@ -220,7 +222,9 @@ def real(field: str, value: Any) -> Array:
     if np.ma.is_masked(value):
         raw = np.ma.filled(np.ma.asarray(value, dtype=np.float64), np.nan)
     if raw.dtype.kind not in "iuf" and raw.size:
-        raise SceneError.of(field, value, f"real numbers, of any shape (got type {raw.dtype})")
+        raise SceneError.of(
+            field, value, f"real numbers in an array of any shape (got type {raw.dtype})"
+        )
     array = np.asarray(raw, dtype=np.float64)
     return array if np.isfinite(array).all() else np.where(np.isinf(array), np.nan, array)
 

@@ -244,7 +244,8 @@ class Operator(sie.Kept):
             kernel = kernel_of(self.excess, period)
         else:
             raise SceneError(
-                "an interaction with a symbol and no kernel needs a period, and no strip",
+                "an interaction with a symbol and without a kernel needs a periodic profile and no "
+                "strip: give the interaction a kernel",
                 "interaction",
             )
         if not isinstance(kernel, sie.Kernel):

@@ -92,11 +92,11 @@ FAULTS = {
     "symmetric by word": (variant(symmetric="yes"), "True or False"),
     "kink not declared": (
         variant(height=lambda s, x: np.abs(s.wrap(x)), slope=lambda s, x: np.sign(s.wrap(x))),
-        "kinks does not say so",
+        "kinks does not declare this jump",
     ),
     "kink not declared, slope left out": (
         variant(height=lambda s, x: np.abs(s.wrap(x)), slope=Profile.slope),
-        "kinks does not say so",
+        "kinks does not declare this jump",
     ),
     "kink declared where there is none": (
         variant(kinks=np.array([[0.1 * L, 0.1]])),
@@ -111,7 +111,7 @@ FAULTS = {
         "kink declared",
     ),
     "kink outside the cell": (variant(kinks=np.array([[L, 0.1]])), "outside the cell"),
-    "kinks in one row": (variant(kinks=np.array([0.0, 0.1])), "rows of 2"),
+    "kinks in one row": (variant(kinks=np.array([0.0, 0.1])), "rows are 2 finite numbers"),
     "a step of the height": (
         variant(height=lambda s, x: Good.height(s, x) + (np.sin(7 * K * np.asarray(x)) > 0) * 1e-7),
         "the height jumps by",
@@ -226,7 +226,7 @@ def test_a_kink_that_is_reported_can_be_copied() -> None:
         "Tooth", (Profile,), {"height": lambda s, x: np.maximum(np.abs(np.asarray(x)) - 0.1, 0.0)}
     )()
     faults = check_profile(tooth, raises=False).faults
-    assert "jumps by 1 at -0.1," in faults[0] and "jumps by 1 at 0.1," in faults[1]
+    assert "jumps by 1 at x = -0.1 m," in faults[0] and "jumps by 1 at x = 0.1 m," in faults[1]
 
 
 def test_an_object_that_is_no_profile_is_refused() -> None:

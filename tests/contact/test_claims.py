@@ -439,7 +439,8 @@ def test_a_search_over_loads_ends_at_an_undeclared_corner():
     )
     scene = contact.Scene(shape, 1.0, contact.Periodic(), contact_fraction=0.99)
     with pytest.raises(
-        contact.NotConverged, match="^under 408.* mN/m the stated error .* kinks does not say so$"
+        contact.NotConverged,
+        match="^under 408.* mN/m the stated error .* kinks does not declare this jump$",
     ) as raised:
         contact.solve(scene)
     assert raised.value.best.error > 1e-6
@@ -465,7 +466,7 @@ def sine(x):
             "symmetric is claimed",
         ),
         ({"period": 1.1}, "does not repeat with the period"),
-        ({"summits": np.array([0.5])}, "summits are the lowest places"),
+        ({"summits": np.array([0.5])}, "summits are not the lowest places"),
     ],
 )
 def test_a_false_symmetry_period_or_lowest_place_is_named(said, told):

@@ -191,7 +191,7 @@ def test_the_best_design_that_satisfies_the_conditions_is_returned_and_not_the_l
 def test_a_search_that_finds_no_allowed_design_says_so() -> None:
     scene = periodic(contact.Sinusoid(1e-6, 1e-4), mean_pressure=2e7)
     over = {"profile.amplitude": (8e-7, 5e-6)}
-    with pytest.raises(contact.NotConverged, match="no design met") as error:
+    with pytest.raises(contact.NotConverged, match="no evaluated design") as error:
         contact.optimize(scene, "contact_fraction", over, [("max_pressure", None, 2e7)])
     nearest = error.value.best
     assert np.isclose(nearest.data["profile.amplitude"], 8e-7)

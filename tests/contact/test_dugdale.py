@@ -351,7 +351,9 @@ def test_what_does_not_go_with_it_is_refused_by_name():
         with pytest.raises(contact.SceneError, match=name):
             contact.Dugdale(*values)
     law = contact.Dugdale(1e-5, 1e-2)
-    with pytest.raises(contact.SceneError, match="dugdale goes with isolated and periodic"):
+    with pytest.raises(
+        contact.SceneError, match="dugdale is not solved with the localized interaction"
+    ):
         contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=law, load=0.01)
     with pytest.raises(contact.SceneError, match="the controls of dugdale are"):
         contact.Scene(

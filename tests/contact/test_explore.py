@@ -348,7 +348,7 @@ def test_a_fault_of_the_program_is_reported_as_one(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr("contact.explorer.session.drawn", broken)
     assert ask(tab, "frame")["refused"] == (
-        "a fault of the program, not of the scene (ZeroDivisionError: division by zero)."
+        "an error of the program, not of the scene (ZeroDivisionError: division by zero)."
     )
 
 

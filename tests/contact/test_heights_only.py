@@ -205,7 +205,7 @@ def test_a_slope_without_the_ripples_is_not_taken_for_rounding_of_the_heights():
     ids=["truncated tooth", "np.interp"],
 )
 def test_a_refusal_names_the_corner_that_was_not_declared(height):
-    with pytest.raises(contact.NotConverged, match="kinks does not say so"):
+    with pytest.raises(contact.NotConverged, match="kinks does not declare this jump"):
         contact.solve(
             contact.Scene(Heights(height, 1.0), E_STAR, contact.Periodic(), contact_fraction=0.3)
         )
@@ -236,7 +236,7 @@ def test_heights_that_cannot_be_squared_are_refused_for_that(period):
         (lambda x: 1e200 * np.sin(np.pi * x) ** 2) if period else (lambda x: 1e200 * x**2), period
     )
     model = contact.Periodic() if period else contact.Isolated()
-    with pytest.raises(contact.SceneError, match="cannot be squared"):
+    with pytest.raises(contact.SceneError, match="exceed the range of floating-point numbers"):
         contact.solve(contact.Scene(huge, E_STAR, model, load=1e207))
 
 

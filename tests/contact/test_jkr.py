@@ -269,7 +269,9 @@ def test_scenes_that_jkr_does_not_allow_are_refused_by_name():
     for work in (0.0, -1.0, float("nan"), "1"):
         with pytest.raises(contact.SceneError, match="work"):
             contact.JKR(work)
-    with pytest.raises(contact.SceneError, match="jkr goes with isolated and periodic"):
+    with pytest.raises(
+        contact.SceneError, match="jkr is not solved with the localized interaction"
+    ):
         contact.Scene(
             contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=contact.JKR(1e-5), load=0.01
         )

@@ -231,7 +231,7 @@ def test_after_one_end_reaches_its_corner_the_other_end_moves_on():
 
 
 def test_the_half_width_at_the_corners_is_refused_since_many_loads_have_it():
-    with pytest.raises(contact.SceneError, match="less than the profile's own"):
+    with pytest.raises(contact.SceneError, match="less than the half width of the profile"):
         solve(cut(0.3), half_width=0.3)
 
 

@@ -158,5 +158,5 @@ def test_a_model_that_admits_no_contact_fraction_admits_no_width() -> None:
 
 
 def test_a_prescribed_approach_needs_a_datum() -> None:
-    with pytest.raises(contact.SceneError, match="approach = .* given a datum"):
+    with pytest.raises(contact.SceneError, match="approach = .* is given a datum"):
         contact.Scene(BALL, 1e9, contact.Isolated(), given=Nanometres(100.0))

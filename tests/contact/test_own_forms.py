@@ -63,16 +63,19 @@ FORMS = {
     "an error": ({"height": lambda x: 1 / 0}, r"height\(x\) raises ZeroDivisionError"),
     "no numbers": (
         {"height": lambda x: np.asarray(x) * np.nan},
-        r"height\(x\) is nowhere a finite number",
+        r"height\(x\) is not finite at any of the places x = ",
     ),
-    "a list of kinks": ({"kinks": [[0.0, 2.0]]}, "kinks .* a numpy array of finite rows of 2"),
-    "one kink": ({"kinks": np.array([0.0, 2.0])}, "kinks .* a numpy array of finite rows of 2"),
+    "a list of kinks": (
+        {"kinks": [[0.0, 2.0]]},
+        "kinks .* a numpy array whose rows are 2 finite numbers",
+    ),
+    "one kink": ({"kinks": np.array([0.0, 2.0])}, "kinks .* a numpy array whose rows are 2 finite"),
     "no resolution": ({"resolution": 0.0}, "resolution .* > 0"),
     "a negative period": ({"period": -2.0}, "period .* > 0"),
     "a period in words": ({"period": "2"}, "period .* > 0"),
     "a reversed support": ({"support": (1.0, -1.0)}, "support .* a left and a larger right end"),
     "a support of one end": ({"support": 1.0}, "support .* a left and a larger right end"),
-    "jumps without order": ({"jumps": np.zeros((2, 2))}, "jumps .* rows of 3"),
+    "jumps without order": ({"jumps": np.zeros((2, 2))}, "jumps .* rows are 3 finite numbers"),
     "tips in a table": ({"summits": np.zeros((2, 2))}, "summits .* one-dimensional"),
     "a symmetry in words": ({"symmetric": "yes"}, "symmetric .* True or False"),
 }
@@ -94,7 +97,10 @@ def test_a_profile_of_the_right_form_is_solved():
     ("said", "fault"),
     [
         ({"slope": lambda x: 3 * np.asarray(x)}, "slope disagrees with the height"),
-        ({"height": np.abs, "slope": np.sign}, "jumps by 2 at 0, and kinks does not say so"),
+        (
+            {"height": np.abs, "slope": np.sign},
+            "jumps by 2 at x = 0 m, but kinks does not declare this jump",
+        ),
         (
             {"height": np.abs, "slope": np.sign, "kinks": np.array([[0.0, 1.0]])},
             "the slope jumps by 2 there",
@@ -126,7 +132,7 @@ def test_heights_lost_in_round_off_are_refused_and_solved_in_another_form(size):
 @pytest.mark.parametrize("field", ["pressure", "gap", "displacement"])
 @pytest.mark.parametrize("x", ["a", None, 1j, [1, [2, 3]], [True, False]], ids=str)
 def test_fields_at_positions_that_are_no_real_numbers_are_refused(field, x):
-    with pytest.raises(contact.SceneError, match="real numbers, of any shape"):
+    with pytest.raises(contact.SceneError, match="real numbers in an array of any shape"):
         getattr(contact.solve(SCENE), field)(x)
 
 
@@ -162,7 +168,7 @@ def test_arguments_that_are_no_scene_or_no_solution_are_refused_by_name():
 
 
 def test_a_load_too_small_for_the_range_of_numbers_is_out_of_range():
-    with pytest.raises(contact.OutOfRange, match="farther apart than numbers reach"):
+    with pytest.raises(contact.OutOfRange, match="outside the range of floating-point numbers"):
         contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), load=5e-324))
 
 

@@ -286,7 +286,7 @@ def test_a_tensile_load_under_a_law_without_a_bare_law_is_out_of_range() -> None
 
 
 def test_a_contact_fraction_needs_a_model_that_repeats() -> None:
-    with pytest.raises(contact.SceneError, match="contact_fraction.*nothing repeats"):
+    with pytest.raises(contact.SceneError, match="contact_fraction.*has no period"):
         scene(interaction=mine(contact.Interaction)(), contact_fraction=0.5)
 
 

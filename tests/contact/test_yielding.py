@@ -188,7 +188,7 @@ def test_below_the_hardness_first_yield_is_elastic_and_its_load_grows_with_the_s
 
 
 def test_a_strength_above_every_stress_under_a_limit_of_the_pressure_is_said_to_be_out_of_range():
-    with pytest.raises(contact.OutOfRange, match=r"the largest is 1.367e\+07 Pa, under 119"):
+    with pytest.raises(contact.OutOfRange, match=r"the largest stress is 1.367e\+07 Pa, at 119"):
         under_a_limit(2.2e7).first_yield(1.6e7, 0.3)
     # The law bounds the stress: the largest shear stress in the plane is at most H / pi, and the
     # mean stress at most H.
@@ -222,7 +222,7 @@ def test_first_yield_under_a_limit_is_sought_up_to_the_largest_load_of_an_isolat
         scene = contact.Scene(WAVE, E, contact.Isolated(), law=law, load=start)
         loads.append(contact.solve(scene).first_yield(1.41e7, 0.3).load)
         with pytest.raises(
-            contact.OutOfRange, match=r"the largest is 1.411e\+07 Pa, under 1(19|20)"
+            contact.OutOfRange, match=r"the largest stress is 1.411e\+07 Pa, at 1(19|20)"
         ):
             contact.solve(scene).first_yield(1.42e7, 0.3)
     assert np.ptp(loads) < 1e-8 * loads[0]

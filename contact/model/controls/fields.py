@@ -36,7 +36,9 @@ class MeanPressure(Control):
     def check(self, scene: Any) -> None:
         if scene.profile.period is None:
             raise SceneError.of(
-                self.name, self.value, "left out: without a period there is no mean pressure"
+                self.name,
+                self.value,
+                "left out, since a profile without a period has no mean pressure",
             )
 
     def held(self, scene: Any) -> Held:
@@ -62,8 +64,8 @@ class Approach(Control):
     def check(self, scene: Any) -> None:
         if not scene.operator.has_approach:
             allowed = (
-                f"left out, or {scene.interaction.name} given a datum: without one a "
-                f"{scene.substrate.name} has no approach"
+                f"left out, unless the {scene.interaction.name} interaction is given a datum: "
+                f"without a datum, the approach is not defined on a {scene.substrate.name}"
             )
             raise SceneError.of(self.name, self.value, allowed)
 
@@ -76,13 +78,17 @@ class ContactFraction(Control):
     def check(self, scene: Any) -> None:
         if scene.period is None:
             raise SceneError.of(
-                self.name, self.value, f"left out: under {scene.interaction.name} nothing repeats"
+                self.name,
+                self.value,
+                f"left out, since a contact under the {scene.interaction.name} interaction has no "
+                "period",
             )
         if self.value > 1.0:
             raise SceneError.of(self.name, self.value, "above 0 and at most 1")
         if scene.is_flat:
             allowed = (
-                f"left out: {scene.profile.name} has no slope, any load has its width; give a load"
+                f"left out, since the {scene.profile.name} profile has the same contact width "
+                "under any load: give a load"
             )
             raise SceneError.of(self.name, self.value, allowed)
 
@@ -103,12 +109,12 @@ class HalfWidth(Control):
         if scene.turned:
             ((turning, value),) = scene.turning.items()
             raise SceneError.of(
-                turning, value, "0 or left out with half_width, which means one zone about x = 0"
+                turning, value, "0 or left out, since half_width means one zone centred at x = 0"
             )
         if not profile.symmetric:
             self._refuse(
-                f"left out: it means one zone about x = 0, and {profile.name} is not known to be "
-                "symmetric"
+                "left out, since half_width means one zone centred at x = 0, and the "
+                f"{profile.name} profile is not known to be symmetric"
             )
         if profile.period is not None and not self.value < 0.5 * profile.period:
             self._refuse(f"less than half the period, {0.5 * profile.period:.17g}")
@@ -117,13 +123,13 @@ class HalfWidth(Control):
         reach = profile.support[1]
         if self.value >= reach:
             self._refuse(
-                f"less than the profile's own, {reach:.17g}, with which any load from some on is "
-                "borne"
+                f"less than the half width of the profile, {reach:.17g} m, which the contact has "
+                "under any sufficiently large load"
             )
         if scene.is_flat_between(-self.value, self.value):
             self._refuse(
-                f"left out: {profile.name} has no slope, any load has its half width "
-                f"{reach:.17g}; give a load"
+                f"left out, since the {profile.name} profile is flat up to this half width or "
+                "beyond, and every load gives a wider zone: give a load"
             )
 
     def _refuse(self, allowed: str) -> None:

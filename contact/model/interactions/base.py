@@ -89,7 +89,7 @@ class Interaction(Named):
         this method uses the substrate's kernel.
         """
         raise NotImplementedError(
-            f"{type(self).__name__} has no kernel of its own: that of the substrate acts"
+            f"{type(self).__name__} has no kernel of its own: it uses that of the substrate"
         )
 
     def symbol(self, q: Array) -> Array:
@@ -97,7 +97,7 @@ class Interaction(Named):
         can be inverted. A periodic model may give a symbol instead of a kernel.
         """
         raise NotImplementedError(
-            f"{type(self).__name__} has no symbol of its own: that of the substrate acts"
+            f"{type(self).__name__} has no symbol of its own: it uses that of the substrate"
         )
 
     def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:

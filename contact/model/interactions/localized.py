@@ -76,7 +76,7 @@ class Localized(Interaction):
             raise SceneError.of(
                 "neighbours",
                 self.neighbours,
-                "0 with closure 'first-order'; more are self-consistent",
+                "0 with closure = 'first-order'; use 'self-consistent' for more neighbours",
             )
 
     @property

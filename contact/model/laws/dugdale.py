@@ -89,5 +89,8 @@ class Dugdale(Law):
 
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip:
-            return f"goes with isolated and periodic bodies, not with {scene.interaction.name}"
+            return (
+                f"is not solved with the {scene.interaction.name} interaction: use "
+                "contact.Isolated() or contact.Periodic()"
+            )
         return None

@@ -67,7 +67,7 @@ class JKR(Law):
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip:
             return (
-                "goes with isolated and periodic bodies, not with the strip of "
-                f"{scene.interaction.name}, which is not all of the body"
+                f"is not solved with the {scene.interaction.name} interaction, whose strip is only "
+                "a part of the body: use contact.Isolated() or contact.Periodic()"
             )
         return None

@@ -62,22 +62,25 @@ class Plastic(Law):
 
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip or scene.interaction.follows_isolated:
-            return f"goes with isolated and periodic bodies, not with {scene.interaction.name}"
+            return (
+                f"is not solved with the {scene.interaction.name} interaction: use "
+                "contact.Isolated() or contact.Periodic()"
+            )
         if not isinstance(scene.substrate, HalfPlane) or scene.operator.is_own:
-            return "goes with half-planes: a layer that yields at its surface is not solved"
+            return "is solved only for half-planes, without a kernel or symbol of your own"
         if scene.turned:
-            return "goes with upright bodies: leave out tilt and moment"
+            return "is not solved for tilted bodies: leave out tilt and moment"
         if len(scene.profile.algebraic_points):
             return (
-                "goes with profiles whose slope has jumps at most, and that of "
-                f"{scene.profile.name} is a power of the distance from a point"
+                f"is not solved for the {scene.profile.name} profile, whose slope is a power of "
+                "the distance from a point"
             )
         load, width = scene.given_load, bearing_width(scene)
         if load is not None and not load < self.hardness * width:
             return (
                 f"bears less than its hardness of {self.hardness:.6g} Pa on the width of "
-                f"{width:.6g} m, and the scene gives {load / width:.6g} Pa: give a smaller load, "
-                "or a larger hardness"
+                f"{width:.6g} m, but the load gives a mean of {load / width:.6g} Pa: give a "
+                "smaller load or a larger hardness"
             )
         return None
 

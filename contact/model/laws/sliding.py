@@ -82,7 +82,10 @@ def _compliances(body: str, E: float, nu: float) -> tuple[float, float]:
 
 def _beta(field: str, value: Any) -> float:
     return checked_number(
-        field, value, "a number from -0.5 to 0.5, as Dundurs' constant", lambda b: abs(b) <= 0.5
+        field,
+        value,
+        "a number from -0.5 to 0.5, the range of Dundurs' constant",
+        lambda b: abs(b) <= 0.5,
     )
 
 
@@ -168,20 +171,20 @@ class Sliding(Law):
 
     def refuses(self, scene: Any) -> str | None:
         if not isinstance(scene.substrate, HalfPlane) or scene.operator.is_own:
-            return "goes with half-planes: what shear does to other bodies is not known"
+            return "is solved only for half-planes, without a kernel or symbol of your own"
         if not self.kappa:
             return None
         if scene.held(Quantity.HALF_WIDTH) is not None:
-            return "with elastic mismatch has no half_width, as its zones are not symmetric"
+            return "with elastic mismatch has no symmetric zones: leave out half_width, give a load"
         if scene.interaction.strip:
             return (
-                "with elastic mismatch goes with isolated and periodic bodies, not with "
-                f"{scene.interaction.name}"
+                f"with elastic mismatch is not solved with the {scene.interaction.name} "
+                "interaction: use contact.Isolated() or contact.Periodic()"
             )
         _, exponents, left, right = np.reshape(scene.profile.algebraic_points, (-1, 4)).T
         if np.any((exponents % 2 != 0) | (left != right)):
             return (
-                "with elastic mismatch goes with profiles whose slope has jumps at most, and that "
-                f"of {scene.profile.name} is a power of the distance from a point"
+                f"with elastic mismatch is not solved for the {scene.profile.name} profile, whose "
+                "slope is a power of the distance from a point"
             )
         return None

@@ -46,8 +46,8 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
     for (s, jump), seen, error in zip(declared, jumps, errors, strict=True):
         if error > 0.0:
             yield (
-                f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} "
-                "there"
+                f"kink declared at x = {s:.6g} m with the jump {jump:.6g}, but the slope jumps by "
+                f"{seen:.6g} there"
             )
     for s, jump in slope_jumps(slope, lo, lo + width, reach, max(scale, rounding / CHECKS.jump)):
         at = float(profile.wrap(s)) if profile.period is not None else s
@@ -59,7 +59,10 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
         found = _followed(profile, s, jump, 4 * reach)
         if found is not None:
             at = float(profile.wrap(found[0])) if profile.period is not None else found[0]
-            yield f"the slope jumps by {found[1]:.6g} at {at:.9g}, and kinks does not say so"
+            yield (
+                f"the slope jumps by {found[1]:.6g} at x = {at:.9g} m, but kinks does not declare "
+                "this jump"
+            )
 
 
 def _followed(profile: Profile, s: float, jump: float, h: float) -> tuple[float, float] | None:
@@ -120,7 +123,10 @@ def undeclared_corner(profile: Profile, intervals: Array) -> str:
         found = corner(profile, lo, hi)
         if found is not None:
             at = float(profile.wrap(found[0]))
-            return f"the slope jumps by {found[1]:.6g} at {at:.9g}, and kinks does not say so"
+            return (
+                f"the slope jumps by {found[1]:.6g} at x = {at:.9g} m, but kinks does not declare "
+                "this jump"
+            )
     return ""
 
 

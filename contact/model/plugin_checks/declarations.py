@@ -26,7 +26,7 @@ _COLUMNS = {
     "algebraic_points": (
         "position",
         "exponent",
-        "the coefficients of that power of the distance on the left",
+        "the coefficients of the power of the distance on the left",
         "on the right",
     ),
 }
@@ -78,9 +78,9 @@ def _require_heights(profile: Profile, x: Array) -> None:
     largest = float(np.cbrt(np.finfo(np.float64).max))
     if not size < largest:
         reason = (
-            f"profile.height(x) varies by {size:.3g} m about x = {np.median(x):.3g} m: more than "
-            f"{largest:.0e} m cannot be squared, times a length, as a number; "
-            "is the unit of length the metre?"
+            f"profile.height(x) varies by {size:.3g} m around x = {np.median(x):.3g} m, but "
+            f"heights above {largest:.0e} m exceed the range of floating-point numbers in the "
+            "computation: check that heights and x are in metres"
         )
         raise SceneError(reason, "height", size)
 
@@ -115,14 +115,15 @@ def require_declarations(profile: Profile) -> None:
         if not (isinstance(table, np.ndarray) and _is_real(table, 2) and table.shape[1] == count):
             meaning = f"{', '.join(columns[:-1])} and {columns[-1]}"
             allowed = (
-                f"a numpy array of finite rows of {count}: {meaning} (a property, not a method)"
+                f"a numpy array whose rows are {count} finite numbers: {meaning} (a property, not "
+                "a method)"
             )
             raise SceneError.of(f"profile.{name}", table, allowed)
     low = profile.algebraic_points[profile.algebraic_points[:, 1] <= 1.0]
     if len(low):
         allowed = (
-            "rows whose exponent is above 1 (1 is a kink: declare it in kinks; below 1 is "
-            "a cusp, infinitely steep)"
+            "rows whose exponent is above 1 (the exponent 1 is a kink: declare it in kinks; below "
+            "1 the profile is infinitely steep)"
         )
         raise SceneError.of("profile.algebraic_points", low[0].tolist(), allowed)
     tips = _read(profile, "summits")
@@ -179,7 +180,7 @@ def _require_by_elements(profile: Profile, name: str, x: Array) -> None:
             )
         if not (np.isfinite(value) | (np.isposinf(value) & (name == "height"))).any():
             raise SceneError(
-                f"profile.{name}(x) is nowhere a finite number: not at x = {x.ravel().tolist()}",
+                f"profile.{name}(x) is not finite at any of the places x = {x.ravel().tolist()}",
                 name,
                 value,
             )
