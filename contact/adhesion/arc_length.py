@@ -28,7 +28,7 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
     sense: 1 if the control rises along the curve at `here`, -1 if it falls. tight: whether the
     states at the ends of the steps are solved to full accuracy.
     """
-    place, length, stands = _stood_by(curve, here, sense), MOVES.small_part, 0
+    place, length, short_steps = _point_at(curve, here, sense), MOVES.small_part, 0
     why = "the curve of equilibria could not be followed further"
     unstable: tuple[CurvePoint, float] | None = None
     vanishing = False
@@ -62,14 +62,14 @@ def steps(curve: Curve, here: State, sense: float, tight: bool = True) -> Iterat
             break
         # Several steps of almost zero length in a row end the curve. Otherwise an end at a sharp
         # corner could be pinned and freed again and again.
-        stands = stands + 1 if step.length < ACCURACY.rough else 0
-        if stands > ARC_OPTIONS.interpolation_nodes:
+        short_steps = short_steps + 1 if step.length < ACCURACY.rough else 0
+        if short_steps > ARC_OPTIONS.interpolation_nodes:
             why = (
                 "several steps along the curve of equilibria had almost zero length: ends at "
                 "sharp corners may be held and freed again and again"
             )
             break
-        place = step.end if step.after is None else _stood_by(curve, step.after, step.end.rises)
+        place = step.end if step.after is None else _point_at(curve, step.after, step.end.rises)
         length = _next_length(step, length)
         if vanishing:
             short = place.vanishes(curve)
@@ -157,7 +157,7 @@ def pushed_off(here: State) -> Array:
     return here.moved(np.asarray(MOVES.short_move * motion / np.abs(motion / here.widths).max()))
 
 
-def beyond(curve: Curve, turned: State, sense: float) -> Array:
+def past_turning_point(curve: Curve, turned: State, sense: float) -> Array:
     """The intervals at a turning point, with their ends moved a little along the curve.
 
     The motion is outward for sense 1, when the control rises, and inward for sense -1.
@@ -176,7 +176,7 @@ def beyond(curve: Curve, turned: State, sense: float) -> Array:
     )
 
 
-def _stood_by(curve: Curve, here: State, sense: float) -> CurvePoint:
+def _point_at(curve: Curve, here: State, sense: float) -> CurvePoint:
     """The equilibrium `here`, with the tangent of the curve that begins there.
     Raises NotConverged if `here` belongs to a continuous family of equilibria at one control value.
     """

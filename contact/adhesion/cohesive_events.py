@@ -524,8 +524,8 @@ class CohesiveEvents(Events):
     def _lost(self, here: CohesiveState) -> Jump:
         """The jump at which the last zone shrinks to a point, under tension on the whole period."""
         pulled = self.curve.everywhere
-        looks = [np.sort(here.gap_samples[0]), *(np.linspace(a, b, 65) for a, b in here.zones)]
-        place, lowest = min((minimum(pulled.shape, x) for x in looks), key=lambda found: found[1])
+        samples = [np.sort(here.gap_samples[0]), *(np.linspace(a, b, 65) for a, b in here.zones)]
+        place, lowest = min((minimum(pulled.shape, x) for x in samples), key=lambda found: found[1])
         value = -pulled.pulling.total
         touch = CohesiveState.under_all(
             value, value, -lowest, np.array([[place, place]]), None, (np.zeros(0), np.zeros(0))

@@ -179,10 +179,10 @@ class Events:
 
     def first_jump(self, step: Step, length: float, last: State, sense: float) -> Jump | None:
         """The first jump in a step, where surfaces touch outside the zones; None if they do not."""
-        looks = sense > 0.0 or not self.by_load
+        may_overlap = sense > 0.0 or not self.by_load
         overlaps = (
             openings(self.curve.fields(last, ACCURACY.rough)).overlaps
-            if looks
+            if may_overlap
             else np.zeros((0, 2))
         )
         if len(overlaps) == 0:

@@ -138,12 +138,14 @@ class _Search:
             k, step = _steps((here, state), zones, before, (room, shared), (pinned, rests))
             before = zones, k
             least = np.minimum(width, np.where(shared | pinned, np.inf, np.maximum(room, 1e-300)))
-            miss = float(np.abs(step / least).max())
-            best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
+            step_size = float(np.abs(step / least).max())
+            best, stuck = min(best, step_size), stuck + 1 if step_size > 0.5 * best else 0
             # The search ends if the Newton step is small enough, or if short steps no longer
             # decrease. Next to narrow strips of tension, the round-off of the steps may exceed the
             # tolerance.
-            if miss < self.tolerances.ends or (stuck > 2 and miss < 10 * ACCURACY.resting_step):
+            if step_size < self.tolerances.ends or (
+                stuck > 2 and step_size < 10 * ACCURACY.resting_step
+            ):
                 return here, state
             reaches = _reaches(here, zones, k, step, room, shared)
             _refuse_covered(

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contact.adhesion.arc_length import SymmetryLost, beyond, pushed_off, steps
+from contact.adhesion.arc_length import SymmetryLost, past_turning_point, pushed_off, steps
 from contact.adhesion.arc_step import Step, let_go
 from contact.adhesion.curve import ACCURACY, State
 from contact.adhesion.events import Events, Jump, PathState
@@ -182,7 +182,7 @@ class LoadingPath:
     def _turn(self, last: State, sense: float) -> Jump:
         """The jump from an equilibrium at a turning point of the curve."""
         events, rises = self.events, sense > 0.0
-        table = beyond(events.curve, last, sense)
+        table = past_turning_point(events.curve, last, sense)
         place = float(last.table.ravel()[int(np.argmax(np.abs(table - last.table)))])
         return self._jump(
             last, place, (events.grown if rises else events.shrunk)(table, last.value), rises

@@ -7,7 +7,7 @@ turning point from an equilibrium near this point.
 from collections.abc import Callable
 from contextlib import suppress
 
-from contact.adhesion.arc_length import beyond, steps
+from contact.adhesion.arc_length import past_turning_point, steps
 from contact.adhesion.arc_step import Step, let_go
 from contact.adhesion.curve import ACCURACY, Closed, Curve, NoState, State
 from contact.adhesion.gradient_flow import receded
@@ -115,7 +115,7 @@ def _end_in(
         return _End(last, let_go(step), lambda: last)
     first = past_cut(step.start.at)
     if not first < 0.0 < past_cut(last):
-        return _End(last, beyond(curve, last, -1.0), lambda: step.at(step.turning()))
+        return _End(last, past_turning_point(curve, last, -1.0), lambda: step.at(step.turning()))
     until = step.where(past_cut, first, past_cut(last), length, ACCURACY.coarse, False)
     length = min(until + 2 * ACCURACY.coarse * length, length)
     about = step.at(length, False)

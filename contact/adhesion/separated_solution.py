@@ -40,8 +40,10 @@ def separated_solution(
         intensity=residual,
         stability=stability,
     )
-    off = np.abs(np.linalg.solve(here.rates, here.residual)) / here.widths if ends else np.zeros(1)
-    error = TOLERANCES.closed_form_rounding + float(off.max())
+    end_errors = (
+        np.abs(np.linalg.solve(here.rates, here.residual)) / here.widths if ends else np.zeros(1)
+    )
+    error = TOLERANCES.closed_form_rounding + float(end_errors.max())
     return lawful(
         Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan, branch=branch)
     )

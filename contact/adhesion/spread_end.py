@@ -47,15 +47,15 @@ class SpreadEnd:
         """Potential at points x of a unit load with density 1 / (pi sqrt((xi - a) (b - xi))).
         It is the integral of ln|x - xi| times this density, for xi in the zone (a, b).
         """
-        return np.asarray(np.log(0.5 * self.half) + np.arccosh(self._beyond(x)[1]))
+        return np.asarray(np.log(0.5 * self.half) + np.arccosh(self._coordinates(x)[1]))
 
     def primitive(self, x: Array) -> Array:
         """Antiderivative of `potential`, odd about the middle of the zone."""
-        z, size = self._beyond(x)
+        z, size = self._coordinates(x)
         outside = size * np.arccosh(size) - np.sqrt((size - 1) * (size + 1))
         return np.asarray(self.half * (z * np.log(0.5 * self.half) + np.sign(z) * outside))
 
-    def _beyond(self, x: Array) -> tuple[Array, Array]:
+    def _coordinates(self, x: Array) -> tuple[Array, Array]:
         z = (x - self.middle) / self.half
         return z, np.maximum(np.abs(z), 1.0)
 
@@ -91,7 +91,7 @@ class SpreadEnd:
         With a period, only the imaginary part of the potential changes if z moves by a period.
         """
         if period is None:
-            return self._alone(z)
+            return self._isolated(z)
         turns = np.round((z.real - self.middle) / period)
         z = z - turns * period
         value: Complex = np.asarray(-1j * np.pi * turns)
@@ -106,14 +106,14 @@ class SpreadEnd:
         value[far] += logs.mean(axis=1)
         slope[far] = rates.mean(axis=1)
         for shift in (-period, 0.0, period):
-            one = self._alone(z[near] - shift)
+            one = self._isolated(z[near] - shift)
             value[near], slope[near] = value[near] + one[0], slope[near] + one[1]
         rest, bend = _remainder(z[near, None] - xi, period)
         value[near] += rest.mean(axis=1)
         slope[near] += bend.mean(axis=1)
         return value, slope
 
-    def _alone(self, z: Complex) -> tuple[Complex, Complex]:
+    def _isolated(self, z: Complex) -> tuple[Complex, Complex]:
         t = (z - self.middle) / self.half
         root = np.sqrt(t - 1) * np.sqrt(t + 1)
         with np.errstate(divide="ignore"):

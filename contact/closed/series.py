@@ -65,8 +65,8 @@ def table(size: int) -> Table:
     matrix = np.cos(turns * (np.pi / (2 * degree))) * (4 / degree)
     sums = np.column_stack((matrix[:, 0], matrix @ k, matrix[:, -2:]))
     angle = (np.arange(size) + 0.5) * (np.pi / degree)
-    looks = SAMPLES_PER_DEGREE * size
-    at = (np.arange(looks) + 0.5) * (0.5 * np.pi / looks)
+    samples = SAMPLES_PER_DEGREE * size
+    at = (np.arange(samples) + 0.5) * (0.5 * np.pi / samples)
     return Table(np.cos(angle), sums, matrix, np.sin(at), np.cos(at))
 
 

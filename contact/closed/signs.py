@@ -75,9 +75,9 @@ def least_inside(zone: ClosedZone) -> tuple[float, int]:
     """(least sample of p / sqrt(1 - t^2) in units of E*/2, number of samples), for one load."""
     if zone.problem.corner is not None:
         return float(zone.punch), 0
-    looks = table(zone.nodes // 2)
-    weight = zone.problem.map.at(zone.half * looks.cosines)[1]
-    value = looks.samples(zone.g) + zone.problem.kink / math.pi
+    nodes = table(zone.nodes // 2)
+    weight = zone.problem.map.at(zone.half * nodes.cosines)[1]
+    value = nodes.samples(zone.g) + zone.problem.kink / math.pi
     return float((value * weight).min()), SAMPLES_PER_DEGREE * zone.nodes // 2
 
 

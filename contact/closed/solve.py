@@ -224,13 +224,13 @@ def _certificate(scene: Scene, zone: ClosedZone, gap: float, fields: ClosedField
 
 
 def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
-    told = plan(scene)
-    told.decide(
+    record = plan(scene)
+    record.decide(
         "solver", "closed form", "one symmetric zone of a half-plane needs no coupled system"
     )
-    told.decide("unknowns", "zones", "the closed form is a series of the pressure on the zone")
+    record.decide("unknowns", "zones", "the closed form is a series of the pressure on the zone")
     given = scene.held(Quantity.HALF_WIDTH) is not None or zone.problem.corner is not None
-    for part in told.parts:
+    for part in record.parts:
         if part.name == "coarse search":
             part.used, part.reason = False, "the closed form of one zone needs no coarse search"
         elif part.name == "zone ends":
@@ -246,7 +246,7 @@ def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
             part.used = True
         elif part.name == "certificate":
             part.detail = "from the signs of the series"
-    told.counts.update(
+    record.counts.update(
         zones=1,
         own_modes=zone.nodes,
         coupled_unknowns=1,
@@ -254,5 +254,5 @@ def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
         profile_evaluations=zone.nodes * (zone.steps + 1),
         solves=1,
     )
-    told.seconds = took
-    return told
+    record.seconds = took
+    return record

@@ -119,7 +119,7 @@ def path_command(
         "--csv", table, {".csv": lambda found, name, overwrite: found.save(name, overwrite)}
     )
     outputs.add_figure(figure, lambda found: found.plot())
-    missed = None
+    failure = None
     try:
         with Progress(wanted=not quiet) as progress:
             if no_events:
@@ -147,19 +147,19 @@ def path_command(
         raise SceneError.of(name, given, error.allowed) from error
     except NotConverged as error:
         # The loads that were solved are shown before the command ends with the error.
-        missed, found = error, _solved_of(error, tol)
+        failure, found = error, _solved_of(error, tol)
     outputs.finish(found, as_json, quiet, lambda: _show(found))
-    if missed is not None:
-        raise missed
+    if failure is not None:
+        raise failure
 
 
-def _solved_of(missed: NotConverged, tol: float) -> LoadPath:
+def _solved_of(failure: NotConverged, tol: float) -> LoadPath:
     """The path through the loads that were solved; raises the error if there are none."""
-    best = missed.best
+    best = failure.best
     if isinstance(best, LoadPath):
         return best
     if not isinstance(best, list):
-        raise missed
+        raise failure
     alone = tuple(one for one in best if one is not None and one.error <= tol)
     return LoadPath(alone, ((),) * len(alone))
 

@@ -91,10 +91,10 @@ KEYS: dict[str, tuple[Callable[[str], Any], str, str]] = {
 
 
 def _with_keys(command: Callable[..., None]) -> Callable[..., None]:
-    for name, (_, metavar, told) in reversed(KEYS.items()):
-        command = click.option(f"--{name.replace('_', '-')}", name, metavar=metavar, help=told)(
-            command
-        )
+    for name, (_, metavar, help_text) in reversed(KEYS.items()):
+        command = click.option(
+            f"--{name.replace('_', '-')}", name, metavar=metavar, help=help_text
+        )(command)
     return command
 
 

@@ -83,7 +83,7 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
             found += [
                 replace(handle, name=f"{place} {handle.name}") for handle in _shape(scene, place)
             ]
-    found += _stands(scene.profile)
+    found += _placements(scene.profile)
     found += [
         handle for place in ("substrate", "law", "interaction") for handle in _numbers(scene, place)
     ]
@@ -199,7 +199,7 @@ def _allowed(scene: Scene, handle: Handle) -> Handle:
     return replace(handle, high=high)
 
 
-def _stands(profile: Profile) -> list[Handle]:
+def _placements(profile: Profile) -> list[Handle]:
     """Sliders for the position of each body relative to the other one.
 
     The ranges reach half the body's length to each side of the present position.

@@ -75,7 +75,7 @@ class _AtWidth:
     following: Array
 
     @property
-    def miss(self) -> float:
+    def residual(self) -> float:
         return self.present - self.wanted
 
     @property
@@ -83,7 +83,7 @@ class _AtWidth:
         """Newton's step of the contact width.
         It is inf unless the controlled quantity grows with the width.
         """
-        return -self.miss / self.slope if self.slope > 0.0 else math.inf
+        return -self.residual / self.slope if self.slope > 0.0 else math.inf
 
 
 class OneZoneClosure:
@@ -123,7 +123,7 @@ class OneZoneClosure:
         strip, rate, more = (
             here.at.strip,
             float(here.following[1]),
-            0.0 if given else -here.miss / here.by_load,
+            0.0 if given else -here.residual / here.by_load,
         )
         _, pressure, load = (float(unknown) for unknown in here.at.unknowns)
         problem = strip.fields.problem.with_amplitude(pressure + rate * more)
@@ -194,10 +194,10 @@ class OneZoneClosure:
                 ):
                     return here
                 last = step
-                if here.miss < 0.0 and here.slope > 0.0:
+                if here.residual < 0.0 and here.slope > 0.0:
                     low = here
                 else:
-                    high, carries, refusal = width, here.miss >= 0.0, None
+                    high, carries, refusal = width, here.residual >= 0.0, None
             if low is not None and not carries and high - low.width < options.at_maximum * high:
                 raise refusal if isinstance(refusal, NotConverged) else self._refused(control, low)
             least = 0.0 if low is None else low.width

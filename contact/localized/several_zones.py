@@ -83,17 +83,17 @@ class SeveralZones:
         for _ in range(SEARCH.max_steps):
             at = self._at(pressure, start, at)
             rates = ContactRates(at)
-            miss = width_of(at.strip) - width_of(at.reference)
-            step = self._step(rates, miss)
+            excess = width_of(at.strip) - width_of(at.reference)
+            step = self._step(rates, excess)
             error = np.abs(self._step(rates, self._width_error(at)))
             # `error` is the step that an error of the widths causes. The search ends if `step`
             # moves the ends by no more than `error` does, or by no more than the tolerance.
             least = max(self.context.tolerance, float(rates.of_ends(error).max()))
             if float(rates.of_ends(step).max()) <= least:
-                off = np.abs(step) + error
-                return self._solved(at, rates, rates.of_ends(self.options.margin * off))
-            newton[miss < 0.0] = abs(step[1])
-            low, high = (pressure, high) if miss > 0.0 else (low, pressure)
+                bound = np.abs(step) + error
+                return self._solved(at, rates, rates.of_ends(self.options.margin * bound))
+            newton[excess < 0.0] = abs(step[1])
+            low, high = (pressure, high) if excess > 0.0 else (low, pressure)
             if min(newton) > self.options.jump * (high - low):
                 raise no_centre(self.scaled.problem, self.scaled.control)
             bracketed, there = low > 0.0 and high < math.inf, pressure + float(step[1])
@@ -105,7 +105,7 @@ class SeveralZones:
             if bracketed and (slow or not low < there < high):
                 there = 0.5 * (low + high)
             elif not low < there < high:
-                there = pressure * factor if miss > 0.0 else pressure / factor
+                there = pressure * factor if excess > 0.0 else pressure / factor
             part = (there - pressure) / float(step[1]) if step[1] else 0.0
             start = spread(table_of(at.strip), rates.of_strip(part * step))
             pressure = there
@@ -113,8 +113,8 @@ class SeveralZones:
         reason = f"the nominal pressure of the first-order closure did not settle; {INSTEAD}"
         raise self.context.error(Failure(reason, at.strip.free), at.strip.fields.problem)
 
-    def _step(self, rates: ContactRates, miss: float) -> Array:
-        """Newton's step of (centre, nominal pressure, load) that removes the excess width `miss`.
+    def _step(self, rates: ContactRates, excess: float) -> Array:
+        """Newton's step of (centre, nominal pressure, load) that removes the `excess` width.
 
         The excess is W - W0 (head of this module).
         """
@@ -124,7 +124,7 @@ class SeveralZones:
         width, pressure = width_of(rates.at.strip), float(rates.at.unknowns[1])
         if abs(matrix[0, 1]) * pressure <= TOLERANCES.rounding * width:
             raise no_isolated_load()
-        return np.asarray(np.linalg.solve(matrix, [-miss, 0.0, 0.0]))
+        return np.asarray(np.linalg.solve(matrix, [-excess, 0.0, 0.0]))
 
     def _solved(self, at: TwoContacts, rates: ContactRates, ends: Array) -> SolvedZones:
         """The zones of the strip, with the errors of their ends and two derivatives by the load.
@@ -147,11 +147,11 @@ class SeveralZones:
 
     def _width_error(self, at: TwoContacts) -> float:
         """Bound of the error of W - W0, a difference of total zone widths (head of this module)."""
-        missed = 0.0
+        error = 0.0
         for found in (at.strip, at.reference):
             ends = found.free.end_error + found.fields.state.end_truncation
-            missed += float((ends * np.diff(table_of(found), axis=1)).sum())
-        return missed
+            error += float((ends * np.diff(table_of(found), axis=1)).sum())
+        return error
 
     def _at(self, pressure: float, start: Array | None, last: TwoContacts | None) -> TwoContacts:
         """(contact of the strip, contact of the profile without images) at one nominal pressure."""

@@ -73,12 +73,12 @@ def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
 
     best, error = None, np.inf
     limits = KnownLoads(bounded=True, closed=64 * EPS)
-    for here, missed in nearer(solve, quantity, _evened(goal, scale), first, limits):
+    for here, load_error in nearer(solve, quantity, _evened(goal, scale), first, limits):
         value, rate = of(here)
         own = 2 * here.error * abs(value) / (rate * here.load) if rate > 0.0 else np.inf
-        if missed + own < error:
-            best, error = here, missed + own
-        if missed <= own < np.inf:
+        if load_error + own < error:
+            best, error = here, load_error + own
+        if load_error <= own < np.inf:
             break
     name, given = scene.control
     alone = half is None or best is None or len(best.zones) == 1 and half_width(best)[0] > 0.0

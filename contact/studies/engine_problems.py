@@ -373,13 +373,15 @@ def judged(seed: int, tol: float = 1e-10, second_kind: bool = False) -> Judged:
     theta, each = angles(), np.arange(len(width))
     sides = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
     exact = np.array([design.density(zone, theta) for zone in range(len(width))])
-    missed = (np.abs(found.density.at(each[:, None], *sides) - exact) * np.sin(theta)).max(axis=1)
-    largest = max(ends.max(), missed.max() / found.state.size)
+    density_errors = (np.abs(found.density.at(each[:, None], *sides) - exact) * np.sin(theta)).max(
+        axis=1
+    )
+    largest = max(ends.max(), density_errors.max() / found.state.size)
     # The round-off of the designed density and its conditions is added to the stated error.
     round_off = 16 * np.finfo(np.float64).eps
     ratio = largest / (found.error + round_off)
     sizes = np.maximum(found.state.zone_sizes, 1e-300)
-    errors = np.maximum(ends.max(axis=1), missed / sizes)
+    errors = np.maximum(ends.max(axis=1), density_errors / sizes)
     zone_ratio = (errors / (found.errors + round_off)).max()
     return Judged(what, seconds, float(ratio), float(zone_ratio), message)
 

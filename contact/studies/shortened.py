@@ -174,10 +174,10 @@ def losses(cells: Cells) -> Cells:
     rows: list[Row] = []
     for name, lost, changed, _, time, *large, within, extreme_time in cells.rows:
         counts = re.findall(r"\d+", within)
-        missed = str(int(counts[1]) - int(counts[0])) if len(counts) == 2 else "not run"
+        not_within = str(int(counts[1]) - int(counts[0])) if len(counts) == 2 else "not run"
         of_large = str(int(large[0]) + int(large[1])) if large[1] else "not run"
         ordinary = str(int(lost) + int(changed))
-        rows.append((name, ordinary, time, of_large, large[2], missed, extreme_time))
+        rows.append((name, ordinary, time, of_large, large[2], not_within, extreme_time))
     heads = (
         *("off", "ordinary scenes lost or changed", "time"),
         *("large scenes lost or changed", "time", "extreme scenes lost", "time"),

@@ -381,7 +381,7 @@ class Watched:
         self.event, self.values = event, list(event.known)
         self.zero, self.found = event.at, Minimum(event.place, np.inf, 1.0)
 
-    def look(self, point: PathPoint) -> None:
+    def evaluate(self, point: PathPoint) -> None:
         """Compute the event's condition for a solved contact, and add it to the known values."""
         self.found = self.event.condition(point)
         if not np.isfinite(self.found.value):
@@ -508,7 +508,7 @@ class EventSearch:
             if not isinstance(first, Birth) or first.known:
                 return first
             awaited.remove(first)
-            exact = self._looked_at(here, first)
+            exact = self._evaluated(here, first)
             if exact is not None and len(here.born):
                 return exact
             awaited.append(exact or Renewal(first.at))
@@ -604,7 +604,7 @@ class EventSearch:
             if not isinstance(awaited, Merger):
                 watched += self._overlapping(here, point, watched)
             for one in watched:
-                one.look(point)
+                one.evaluate(point)
             zero = min((one.zero for one in watched), default=np.inf)
             if zero > self.end:
                 if any(one.found.value < 0.0 for one in watched):
@@ -630,7 +630,7 @@ class EventSearch:
         if isinstance(watched[0].event, Merger):
             others = self._overlapping(here, point, [])
             for one in others:
-                one.look(point)
+                one.evaluate(point)
             first = min(others, key=lambda one: one.zero, default=None)
             if first is not None and first.zero < zero - _OPTIONS.ends:
                 return self._located(here, replace(first.event, at=first.zero))
@@ -652,7 +652,7 @@ class EventSearch:
                 born.append((one.found.place, -one.values[-1].rate, one.found.bend))
         return events, self._point(point.fields, point.at, np.array(born).reshape(-1, 3))
 
-    def _looked_at(self, here: PathPoint, birth: Birth) -> Birth | None:
+    def _evaluated(self, here: PathPoint, birth: Birth) -> Birth | None:
         """The birth, with its condition (the least gap) at the contact `here`.
         None if the gap has no minimum there.
 
@@ -661,7 +661,7 @@ class EventSearch:
         known value.
         """
         one = Watched(birth)
-        one.look(here)
+        one.evaluate(here)
         if not np.isfinite(one.found.value):
             return None
         known = () if len(here.born) else tuple(one.values)
@@ -679,7 +679,7 @@ class EventSearch:
             away = sie.nearest_image(places - place, 0.0, here.period)
             if np.all(np.abs(away) > self.reach):
                 event = Birth(place, self.reach, point.at)
-                found.append(Watched(self._looked_at(here, event) or event))
+                found.append(Watched(self._evaluated(here, event) or event))
         return found
 
     def _solved(self, base: PathPoint, at: float, joined: Array, ends: float) -> PathPoint:

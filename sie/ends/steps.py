@@ -249,12 +249,12 @@ def bordered(
     almost no edge slope would determine the value alone. A zone that is about to vanish has such
     ends.
     """
-    miss, by_left, by_right = equation.end_conditions[0].residual(zones)
+    residual, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient, width = np.array([by_left, by_right]), zones.b - zones.a
     inward, outward = largest
     free = np.ones(delta.shape, dtype=bool)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
+        change = -(residual + np.sum(gradient * delta)) / np.sum(gradient * slope)
         # After a few rounds of this loop, the same ends are damped in every round. At the latest,
         # this is so after as many rounds as there are ends.
         for _ in range(delta.size):
@@ -264,7 +264,9 @@ def bordered(
             by_change = np.sum((gradient * slope)[free])
             if np.array_equal(before, free) or by_change == 0.0:
                 break
-            change = -(miss + np.sum(np.where(free, gradient * delta, gradient * cut))) / by_change
+            change = (
+                -(residual + np.sum(np.where(free, gradient * delta, gradient * cut))) / by_change
+            )
         return delta + change * slope, float(change)
 
 

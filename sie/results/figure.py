@@ -50,8 +50,8 @@ def draw(density: AnyDensity, ax: Any = None) -> Any:
     t = -np.cos((np.arange(count) + 0.5) * (np.pi / count))
     values = np.array([density.at_t(i, t) for i in range(len(zones))])
     parts = [values.real, values.imag] if np.iscomplexobj(values) else [values]
-    looks = (("C0", "-", "real part"), ("C1", "--", "imaginary part"))
-    for part, (colour, dashes, name) in zip(parts, looks, strict=False):
+    styles = (("C0", "-", "real part"), ("C1", "--", "imaginary part"))
+    for part, (colour, dashes, name) in zip(parts, styles, strict=False):
         for middle, half, phi in zip(zones.middle, zones.half, part, strict=True):
             (line,) = ax.plot(middle + half * t, phi, color=colour, linestyle=dashes)
         line.set_label(name)

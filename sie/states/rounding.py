@@ -331,8 +331,8 @@ def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> 
     heights = np.asarray(
         forcing.primitive(ends if len(zones) == 1 else np.concatenate((ends, between)))
     )
-    look = ends[:: max(1, len(ends) // SAMPLES.samples)]
-    near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
+    sampled_ends = ends[:: max(1, len(ends) // SAMPLES.samples)]
+    near = sampled_ends[:, None] + 4 * np.spacing(np.abs(sampled_ends))[:, None] * np.arange(-4, 5)
     bend = 0.5 * np.abs(
         np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1)
     )

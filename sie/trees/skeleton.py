@@ -203,19 +203,22 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
         found = Skeleton(
             kernel, zones, xi[order[:rank]], rows // len(x), x[rows % len(x)], factors, scale
         )
-        if _misses(found, _some(zones, count, 2), _some(zones, count, 3)) <= SKELETON.max_error:
+        if (
+            _interpolation_error(found, _some(zones, count, 2), _some(zones, count, 3))
+            <= SKELETON.max_error
+        ):
             return found
     return None
 
 
-def _misses(skeleton: Skeleton, x: Array, xi: Array) -> float:
+def _interpolation_error(skeleton: Skeleton, x: Array, xi: Array) -> float:
     """Largest error of the interpolated kernel at x and xi, divided by its largest value."""
     shares, worst = skeleton.shares(xi), 0.0
     for function, size in zip(_functions(skeleton.kernel), skeleton.scale, strict=True):
-        off = np.asarray(function(x[:, None], skeleton.places)) @ shares.T - function(
+        error = np.asarray(function(x[:, None], skeleton.places)) @ shares.T - function(
             x[:, None], xi
         )
-        worst = max(worst, float(np.abs(off).max()) / size)
+        worst = max(worst, float(np.abs(error).max()) / size)
     return worst
 
 

@@ -270,13 +270,13 @@ def _compared(
     # If the heights of an interval are all equal, they are not compared with the slopes: round-off
     # may hide a change of the height.
     digits = np.sqrt(options.counts)
-    tells = (total > 0) & (of_heights <= digits * total) & np.isfinite(discrepancy)
-    tells &= rounded <= digits * size
+    is_accurate = (total > 0) & (of_heights <= digits * total) & np.isfinite(discrepancy)
+    is_accurate &= rounded <= digits * size
     unexplained = discrepancy - options.differs * (of_heights + h * of_slopes + rounded)
-    differs = tells & (unexplained > options.counts * size)
+    differs = is_accurate & (unexplained > options.counts * size)
     return (
         np.where(differs, discrepancy / size, 0.0),
-        tells & (discrepancy <= options.counts * size),
+        is_accurate & (discrepancy <= options.counts * size),
         integral,
     )
 

@@ -180,16 +180,16 @@ def spikes(x: Array, height: Array) -> str:
     points = min(_LIMITS.median_points, height.size // 4 | 1)
     median = require("scipy.ndimage").median_filter(height, points, mode="mirror")
     level = np.polynomial.Polynomial.fit(x, median, 1)(x)
-    off = np.abs(height - median)
+    distances = np.abs(height - median)
     rest = float(np.ptp(median - level))
     least = ROUND_OFF * float(np.max(np.abs(height)))
-    far = off > _LIMITS.far * rest + least
+    far = distances > _LIMITS.far * rest + least
     if not 0 < np.mean(far) < _LIMITS.max_part:
         return ""
-    i = int(np.argmax(off))
+    i = int(np.argmax(distances))
     point = f"the height {quantity(height[i], 'm')} at x = {quantity(x[i], 'm')}"
     others = f" and {int(far.sum()) - 1} more" if far.sum() > 1 else ""
-    distance = f"{quantity(float(off[i]), 'm')} off its neighbours"
+    distance = f"{quantity(float(distances[i]), 'm')} off its neighbours"
     span = f"where the rest spans {quantity(rest, 'm')}"
     return f"{point}{others} is {distance}, {span}: a spike? missing takes a value for no height"
 

@@ -423,8 +423,8 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
         note += f"rounding explains the differences (<= {quantity(far, 'm', 2)})"
         x = moved
     even = np.linspace(x[0], x[-1], count)
-    off = float(np.max(np.abs(even - x))) if count == x.size else np.inf
-    if off <= SAMPLED.same * (x[-1] - x[0]) / (count - 1):
+    unevenness = float(np.max(np.abs(even - x))) if count == x.size else np.inf
+    if unevenness <= SAMPLED.same * (x[-1] - x[0]) / (count - 1):
         return x if pitch is not None else even, height, note
     return (
         even,

@@ -52,8 +52,8 @@ def _grid(path: Source, name: str, places: Array, table: Table) -> tuple[Array, 
     if len(grid) < 2:
         raise at(path, table.lines[0], f"a map needs at least two values of {name}")
     even = np.linspace(grid[0], grid[-1], len(grid))
-    off = np.abs(grid - even)
-    if off.max() > _UNEVEN * (even[1] - even[0]):
+    unevenness = np.abs(grid - even)
+    if unevenness.max() > _UNEVEN * (even[1] - even[0]):
         # A coordinate that is not on the grid usually has the fewest points.
         rare = int(np.argmin(np.bincount(index.ravel())))
         row = table.lines[int(np.argmax(index == rare))]

@@ -116,10 +116,10 @@ def figure_2b() -> Figure:
             columns[f"p/E* {name} l/R={spacing}"] = spacing * pressure
     for share in (0.2, 0.5, 0.8):
         i = int(np.argmin(np.abs(shares - share)))
-        off = columns["p/E* (1)-(4) l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
+        error = columns["p/E* (1)-(4) l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
         hertz = columns["p/E* Hertz l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
         lines.append(
-            f"a/A = {shares[i]:.2f}: (1)-(4) {100 * off:+.3g} %, Hertz {100 * hertz:+.3g} %"
+            f"a/A = {shares[i]:.2f}: (1)-(4) {100 * error:+.3g} %, Hertz {100 * hertz:+.3g} %"
         )
 
     def draw(figure: Any) -> None:

@@ -130,13 +130,13 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
     for reach in (OPTIONS.farther * size, OPTIONS.farther**2 * size, OPTIONS.farther**3 * size):
         search = _Tilting(scene, load, known or (-reach, reach), known is not None, first)
         best = balanced(search, centre, tilts, OPTIONS.max_tilts)
-        missed = abs(best.centre - centre) > best.fineness
+        off_centre = abs(best.centre - centre) > best.fineness
         lo, hi = _hull(search.windows.values() or [search.limits])
-        if missed and known is None and best.window != search.limits and not lo <= centre <= hi:
+        if off_centre and known is None and best.window != search.limits and not lo <= centre <= hi:
             # The centre of a load lies within the window of its contact. All windows lie on one
             # side of the wanted `centre`, so that wider limits are of no use.
             break
-        if missed and len(search.windows) > 1:
+        if off_centre and len(search.windows) > 1:
             # A search interval about one asperity may have missed another asperity. The search is
             # repeated with an interval that contains both asperities, however far apart.
             search = replace(search, whole=(lo, hi))

@@ -118,9 +118,9 @@ class _Bracket:
         # Lower and upper bound of the wanted load, from tangents of a quantity that is concave in
         # the load.
         self.tangents = (0.0, math.inf)
-        # `slow_steps`: number of successive steps that halved neither the bracket nor `missed`, the
-        # distance of the quantity from `goal`.
-        self.slow_steps, self.missed = 0, math.inf
+        # `slow_steps`: number of successive steps that halved neither the bracket nor `distance`,
+        # which is the distance of the quantity from `goal`.
+        self.slow_steps, self.distance = 0, math.inf
 
     @property
     def last(self) -> Solution | None:
@@ -145,20 +145,20 @@ class _Bracket:
         self, here: Solution, value: float, rate: float, last_rate: tuple[float, float] | None
     ) -> float:
         """Narrow the bracket by the solution `here`; return Newton's next load, or nan."""
-        load, miss = self.load, self.goal - value
-        rises = rate > 0.0 and miss > 0.0  # the rate is negative beyond a maximum
+        load, shortfall = self.load, self.goal - value
+        rises = rate > 0.0 and shortfall > 0.0  # the rate is negative beyond a maximum
         kept = [other for other in self.solutions[-2:] if (other.load > here.load) == rises]
         self.solutions = [*kept, here]
         width = self.high - self.low
         self.narrow(from_above=not rises)
-        halved = self.high - self.low < 0.5 * width or abs(miss) < 0.5 * self.missed
-        self.slow_steps, self.missed = 0 if halved else self.slow_steps + 1, abs(miss)
-        tangent = load + miss / rate if rate != 0.0 else math.nan
+        halved = self.high - self.low < 0.5 * width or abs(shortfall) < 0.5 * self.distance
+        self.slow_steps, self.distance = 0 if halved else self.slow_steps + 1, abs(shortfall)
+        tangent = load + shortfall / rate if rate != 0.0 else math.nan
         if rises:
             self.tangents = (tangent, self.tangents[1])
         elif rate < 0.0:
             self.tangents = (self.tangents[0], tangent)
-        return _newton(here.load, rate, miss, last_rate)
+        return _newton(here.load, rate, shortfall, last_rate)
 
     def is_over(self, step: float) -> bool:
         """Choose the next load, `step` or one in the bracket; return whether the search ends."""
@@ -176,7 +176,9 @@ class _Bracket:
         return self.high - self.low <= self.limits.closed * self.low
 
 
-def _newton(load: float, rate: float, miss: float, before: tuple[float, float] | None) -> float:
+def _newton(
+    load: float, rate: float, shortfall: float, before: tuple[float, float] | None
+) -> float:
     """Newton's next load for a quantity A + B load^`power`; nan if there is none.
 
     rate: the rate at this load. before: another load and its rate; both rates give `power`, which
@@ -186,7 +188,7 @@ def _newton(load: float, rate: float, miss: float, before: tuple[float, float] |
     if before is not None and before[0] != load and before[1] * rate > 0.0:
         power += math.log(rate / before[1]) / math.log(load / before[0])
     power = min(max(power, -4.0), 1.0)
-    relative = miss / rate / load if rate != 0.0 else math.nan
+    relative = shortfall / rate / load if rate != 0.0 else math.nan
     # If `power * relative` is small, `base ** (1 / power)` would lose digits. Its linear
     # approximation is used instead.
     if abs(power * relative) < 1e-6:

@@ -61,9 +61,9 @@ def plot_sweep(table: Any, names: Sequence[str] = ()) -> Any:
         _draw(panel, table, (across, *others), name, lines)
     legend_outside(figure, axes)
     failed = int(table["failed"].sum())
-    told = [f"{_name(table, key)} {_value(table, key, 0)}" for key in fixed]
-    told += [f"{failed} of {table['failed'].size} points failed"] if failed else []
-    figure.supxlabel(", ".join(told), fontsize=9)
+    caption = [f"{_name(table, key)} {_value(table, key, 0)}" for key in fixed]
+    caption += [f"{failed} of {table['failed'].size} points failed"] if failed else []
+    figure.supxlabel(", ".join(caption), fontsize=9)
     return figure
 
 
