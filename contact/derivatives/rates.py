@@ -98,8 +98,8 @@ def rate_of(fields: Fields, direction: Profile, load: float, moment: float = 0.0
     if isinstance(fields, FullFields):
         return _of_full(fields, direction, load)
     raise SceneError(
-        "derivatives are available only for a contact with zones or in full contact, not for "
-        f"fields of the type {type(fields).__name__}",
+        "derivatives are available only for a contact with zones or in full contact, not for this "
+        f"solution ({type(fields).__name__})",
         "solution",
     )
 

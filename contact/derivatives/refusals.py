@@ -17,8 +17,7 @@ def refuse(solution: Solution) -> None:
     if not isinstance(fields, (ZoneFields, GapFields, FullFields)):
         raise SceneError(
             "derivatives are available only for a contact with zones or in full contact, not for "
-            f"this solution under the law {scene.law.name}, whose fields are of the type "
-            f"{type(fields).__name__}",
+            f"this solution under the law {scene.law.name} ({type(fields).__name__})",
             "solution",
         )
     if scene.law.tension or isinstance(fields, ZoneFields) and len(fields.cohesive):

@@ -428,7 +428,7 @@ def _summit_fault(profile: Profile, panels: _Panels, lo: float, hi: float) -> st
     if not below > allowed + CHECKS.same * float(np.ptp(panels.heights[0])):
         return ""
     return (
-        "summits are not the lowest places of the profile: the lowest summit has the height "
+        "summits are not the lowest places of the profile: the least height at a summit is "
         f"{top:.9g} m, but the height at x = {panels.a[lowest]:.6g} m is "
         f"{panels.heights[0, lowest]:.9g} m"
     )

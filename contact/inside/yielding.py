@@ -94,7 +94,7 @@ def first_yield(
     value = body.scene.control[1]
     if value <= 0:
         raise SceneError.of(
-            body.scene.control[0], value, "above 0, since first yield is found by changing it"
+            body.scene.control[0], value, "above 0, since first yield is sought at multiples of it"
         )
     search.add(value, body)
     return search.run()

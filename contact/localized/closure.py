@@ -79,7 +79,7 @@ def first_order(
             raise outcome.refusal
         # The search for a single zone may fail because more zones come into contact. So several
         # zones are searched for.
-        context.record_failure("a single zone, found by its width", outcome)
+        context.record_failure("a single zone, sought by its width", outcome)
         return several.found(pressure, zones)
     with context.plan.timed("isolated reference"):
         return OneZoneClosure(scaled.problem, strip, solve_reference, None, context.tol).found(
