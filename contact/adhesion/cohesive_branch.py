@@ -90,9 +90,9 @@ def followed_under_tension(context: SolveContext) -> Outcome:
     try:
         with context.plan.timed("zone ends"):
             if context.branch == "receding":
-                rest = _greatest(context, scaled, curve, value)
+                rest = _receding_contact(context, scaled, curve, value)
             else:
-                rest = _lowered(context, scaled, curve, value)
+                rest = _advanced_contact(context, scaled, curve, value)
             if rest is not None:
                 rest = settled(
                     curve, rest, -1.0 if context.branch == "receding" or value < 0.0 else 1.0
@@ -104,7 +104,7 @@ def followed_under_tension(context: SolveContext) -> Outcome:
     return solved(context, curve, rest)
 
 
-def _greatest(
+def _receding_contact(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
     """The contact on the receding branch (reached from a larger contact) at a control value.
@@ -129,7 +129,7 @@ def _greatest(
     return None
 
 
-def _lowered(
+def _advanced_contact(
     context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve, value: float
 ) -> State | None:
     """The contact whose ends have advanced to equilibrium at the control value `value`.
@@ -140,7 +140,7 @@ def _lowered(
     except Closed:
         if value >= 0.0:
             raise
-        return _greatest(context, scaled, curve, value)
+        return _receding_contact(context, scaled, curve, value)
     return start if value >= 0.0 else _lowered_to(curve, start, value)
 
 

@@ -96,7 +96,7 @@ class CohesiveFields(ZoneFields):
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         t, last = np.asarray(t, dtype=float), len(self.density.zones) - 1
-        return super().pressure_at(zone, t) - self._pull * (
+        return super().pressure_at(zone, t) - self._law_tension * (
             1 - self.tension.lacks(zone % (last + 1), last, 1 + t, 1 - t)
         )
 
@@ -105,16 +105,18 @@ class CohesiveFields(ZoneFields):
         """Upper bound of the pressure [Pa], from samples."""
         if self._is_infinite:
             return math.inf
-        return float(self._sampled[0].max() * self.problem.units.pressure - self._pull)
+        return float(self._sampled[0].max() * self.problem.units.pressure - self._law_tension)
 
     @cached_property
     def max_pressure(self) -> float:
-        return float(super().max_pressure - self._pull)
+        return float(super().max_pressure - self._law_tension)
 
     def pressure(self, x: ArrayLike) -> Array:
         scaled = self._scaled(x)
         q = self.density(scaled)
-        return np.asarray(q * self.problem.units.pressure - self._pull * self.tension.share(scaled))
+        return np.asarray(
+            q * self.problem.units.pressure - self._law_tension * self.tension.share(scaled)
+        )
 
     def pressure_transform(self, x: Array, y: Array) -> tuple[Complex, Complex]:
         units, (value, slope) = self.problem.units, super().pressure_transform(x, y)
@@ -123,7 +125,7 @@ class CohesiveFields(ZoneFields):
         return value - pull * units.pressure, slope - bend * rate
 
     @property
-    def _pull(self) -> float:
+    def _law_tension(self) -> float:
         """The tension [Pa] as given in the law, not rescaled."""
         assert self.law_problem is not None
         return self.law_problem.law.tension

@@ -50,9 +50,9 @@ def followed(context: SolveContext) -> Outcome:
     try:
         with context.plan.timed("zone ends"):
             if moves_both_ways(curve):
-                rest = _lowered(context, scaled, curve)
+                rest = _followed_by_approach(context, scaled, curve)
             elif context.branch == "receding":
-                last = _greatest(curve, scaled, control.value)
+                last = _widest_zone(curve, scaled, control.value)
                 rest = receded(curve, last, control.value)
                 start = None if rest is not None else _held_higher(curve, last, control.value)
             else:
@@ -190,11 +190,15 @@ def advancing(context: SolveContext, scaled: ScaledScene, curve: Curve, value: f
     control. The start is first touch if `value` is 0, and the zones without adhesion above 0.
     """
     with closing_foreseen(context, curve, value):
-        table = touched(curve, scaled.cell) if value == 0.0 else _pressed(context, scaled)
+        table = (
+            touched(curve, scaled.cell)
+            if value == 0.0
+            else _zones_without_adhesion(context, scaled)
+        )
         return grown(curve, table, value)
 
 
-def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
+def _zones_without_adhesion(context: SolveContext, scaled: ScaledScene) -> Array:
     """Scaled zones of the contact without adhesion; adhesion drives all their ends outward."""
     found = start_contact(context)
     if len(found.zones) == 0:
@@ -202,7 +206,7 @@ def _pressed(context: SolveContext, scaled: ScaledScene) -> Array:
     return placed(scaled.problem, found.zones)
 
 
-def _greatest(curve: Curve, scaled: ScaledScene, value: float) -> Array:
+def _widest_zone(curve: Curve, scaled: ScaledScene, value: float) -> Array:
     """A zone so wide that its ends, and the ends of wider zones, tend to recede.
 
     If the approach is the control, and is measured from a datum, a load on a zone much wider than
@@ -241,14 +245,14 @@ def driven_inward(curve: Curve, middle: float, half: float, value: float) -> boo
     return True
 
 
-def _lowered(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
+def _followed_by_approach(context: SolveContext, scaled: ScaledScene, curve: Curve) -> State:
     """The contact under a fixed approach, where ends that recede may make other ends advance.
 
     The contact is followed from the start of the branch, through all jumps.
     """
     value = curve.control.value
     if context.branch == "receding":
-        here = curve.at(_greatest(curve, scaled, value), value)
+        here = curve.at(_widest_zone(curve, scaled, value), value)
         # The control value is raised until no end tends to recede, so that all ends are pinned at
         # the corners.
         slack = here.whole.residual / here.whole.by_value

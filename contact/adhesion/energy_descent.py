@@ -47,7 +47,7 @@ def relaxed(curve: Curve, table: Array, value: float) -> State | None:
             changed = with_new(here.table, overlaps)
         if len(changed) == 0:
             return None
-        widest = _carried(here.table, widest, changed)
+        widest = _largest_widths(here.table, widest, changed)
         here = curve.at(changed, value, ACCURACY.rough)
     raise NotConverged(
         "the ends of the zones did not reach a stable equilibrium at a fixed value of the control"
@@ -65,7 +65,7 @@ def _changed(curve: Curve, here: State, widest: Array) -> Array | None:
     return np.asarray(here.table[~apart]) if apart.any() else None
 
 
-def _carried(before: Array, widest: Array, table: Array) -> Array:
+def _largest_widths(before: Array, widest: Array, table: Array) -> Array:
     """Largest width so far of each zone, after some zones have merged, vanished or begun."""
     width = np.diff(table, axis=1)[:, 0]
     own = [

@@ -78,7 +78,7 @@ def contact_under(
     if load is not None and not load > 0.0:
         raise ContactLost
     if len(zones) == 0:
-        zones = _lowest(pulled)
+        zones = _zone_at_lowest_point(pulled)
     search = _Search(pulled, control, tolerances)
     for done in range(LIMITS.max_iterations):
         fields = ZoneFields(*search.with_ends(zones, done == 0))
@@ -202,7 +202,7 @@ class _Search:
             elif len(free.met):
                 zones = joined_where(ended, np.isin(np.arange(len(ended) - 1), free.met))
             else:
-                own = _own(self.pulled, ended)
+                own = _surrounding_intervals(self.pulled, ended)
                 within = bool(np.all((ended[:, 0] > own[:, 0]) & (ended[:, 1] < own[:, 1])))
                 return (
                     (self.pulled, free.state) if free.converged and within else self.settled(zones)
@@ -210,7 +210,7 @@ class _Search:
         raise NotConverged("the number of zones under the tension did not converge")
 
 
-def _lowest(pulled: TractionLoaded) -> Array:
+def _zone_at_lowest_point(pulled: TractionLoaded) -> Array:
     """A narrow zone about the lowest sampled point of the deformed profile."""
     tension, count = pulled.pulling, SAMPLES.sign_samples
     table = np.array([[0.0, tension.width]]) if tension.everywhere else tension.table
@@ -321,7 +321,7 @@ def _released(pulled: TractionLoaded, k: Array, step: Array) -> Array:
 
 def _beside_corners(pulled: TractionLoaded, zones: Array) -> Mask:
     """Mask (2, n) of zone ends that face the end of an interval of tension at a sharp corner."""
-    return np.asarray((_own(pulled, zones) == np.array(pulled.corners)).T)
+    return np.asarray((_surrounding_intervals(pulled, zones) == np.array(pulled.corners)).T)
 
 
 def _reaches(
@@ -357,12 +357,12 @@ def _room(pulled: TractionLoaded, zones: Array) -> tuple[Array, Mask]:
     An obstacle is another zone, or the end of the interval of tension around the zone.
     """
     right = np.diff(gaps_between(zones, pulled.round))[:, 0]
-    to_obstacle, own = np.array([np.roll(right, 1), right]), _own(pulled, zones)
+    to_obstacle, own = np.array([np.roll(right, 1), right]), _surrounding_intervals(pulled, zones)
     away = np.array([zones[:, 0] - own[:, 0], own[:, 1] - zones[:, 1]])
     return np.minimum(to_obstacle, away), to_obstacle <= away
 
 
-def _own(pulled: TractionLoaded, zones: Array) -> Array:
+def _surrounding_intervals(pulled: TractionLoaded, zones: Array) -> Array:
     """Interval of tension around each zone (n, 2); without tension, the one between the corners."""
     table = pulled.pulling.table
     return (

@@ -136,7 +136,7 @@ class _CohesivePath:
             self.curve,
             self.scaled.cell,
             lambda: cohesive_branch.advancing(self._at(0.0), self.scaled, self.curve, 0.0),
-            self._pressed,
+            self._zones_under_tension,
             full,
             size,
         )
@@ -151,7 +151,7 @@ class _CohesivePath:
             spring_compliance=None,
         )
 
-    def _pressed(self, value: float) -> Array:
+    def _zones_under_tension(self, value: float) -> Array:
         """Zones of contact under tension on the whole period, or a first guess of these zones."""
         problem, known = self.scaled.problem, self.curve.known
         context = self._at(value)

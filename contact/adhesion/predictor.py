@@ -108,7 +108,9 @@ class Predictor(Kept):
 
         Every other end is moved as far as it would go alone.
         """
-        return np.asarray(np.minimum(self.by_others, 0.0) @ self._rests(np.zeros(len(self.first))))
+        return np.asarray(
+            np.minimum(self.by_others, 0.0) @ self._distances_to_zero(np.zeros(len(self.first)))
+        )
 
     @property
     def size(self) -> Array:
@@ -123,10 +125,11 @@ class Predictor(Kept):
         soft = self.first < MOVES.small_drive
         left = np.where(soft, 0.5 * np.maximum(self.first, 0.0), MOVES.small_drive * self.size)
         return np.minimum(
-            self._rests(self.held_back - left), np.where(soft, np.minimum(limit, self.creep), limit)
+            self._distances_to_zero(self.held_back - left),
+            np.where(soft, np.minimum(limit, self.creep), limit),
         )
 
-    def _rests(self, more: Array) -> Array:
+    def _distances_to_zero(self, more: Array) -> Array:
         """Distance (2n,) that each end moves until its residual plus `more` (2n,) is first zero.
 
         It is `farthest` if this sum stays positive.

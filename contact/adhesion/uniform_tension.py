@@ -114,13 +114,13 @@ class UniformTension(sie.Kept):
         """Change of the profile's slope by the tension, at points x."""
         if self.everywhere:
             return np.zeros(np.shape(x))
-        return self.stress / np.pi * self._between(self._log_sum, self._spread_log, x)
+        return self.stress / np.pi * self._sum_over_intervals(self._log_sum, self._spread_log, x)
 
     def height(self, x: Array) -> Array:
         """Change of the profile's height by the tension, at points x."""
         if self.everywhere:
             return np.full(np.shape(x), -self.stress * self.compression)
-        out = self._between(self._primitive_sum, self._spread_primitive, x)
+        out = self._sum_over_intervals(self._primitive_sum, self._spread_primitive, x)
         if not self.plain and len(self.table):
             out += self._regular(np.asarray(x, dtype=float))
         return self.stress / np.pi * out
@@ -175,7 +175,7 @@ class UniformTension(sie.Kept):
         signs[[end for end, _ in self.spreads]] = 0.0
         return signs
 
-    def _between(
+    def _sum_over_intervals(
         self, of_ends: EndSum, spread: Callable[[Array, SpreadEnd], Array], x: Array
     ) -> Array:
         """Sum over all intervals: a function of the left end minus this function of the right end.

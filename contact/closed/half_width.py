@@ -53,7 +53,7 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         a = limit * np.logspace(-OPTIONS.decades, 0, steps + 1)
     else:
         a = np.logspace(-OPTIONS.decades, OPTIONS.decades, 2 * steps + 1)
-    value = _carried(problem, control, a)
+    value = _controlled_quantity(problem, control, a)
     above = np.flatnonzero(value >= control.value)
     if len(above) == 0:
         # If the controlled load or approach is above all scanned values, its maximum between two
@@ -61,7 +61,7 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         # has the same zero load at all half widths up to its corners.
         k = int(np.clip(np.flatnonzero(value == value.max())[-1], 1, len(a) - 2))
         top = require("scipy.optimize").minimize_scalar(
-            lambda x: -float(_carried(problem, control, np.array([x]))[0]),
+            lambda x: -float(_controlled_quantity(problem, control, np.array([x]))[0]),
             bounds=(float(a[k - 1]), float(a[k + 1])),
             method="bounded",
             options={"xatol": MAXIMUM_TOLERANCE * float(a[k])},
@@ -78,7 +78,7 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         return low * math.sqrt(high / low)
 
     def above_goal(logarithm: float) -> float:
-        carried = float(_carried(problem, control, np.array([math.exp(logarithm)]))[0])
+        carried = float(_controlled_quantity(problem, control, np.array([math.exp(logarithm)]))[0])
         return math.log(carried / control.value) if carried > 0 else -math.inf
 
     # The controlled quantity is roughly a power of the half width. So its logarithm is interpolated
@@ -96,7 +96,7 @@ def widest(problem: Problem) -> float:
     return min(cell, problem.borders[1], problem.corners[1])
 
 
-def _carried(problem: Problem, control: Control, a: Array) -> Array:
+def _controlled_quantity(problem: Problem, control: Control, a: Array) -> Array:
     """Load or approach, whichever is controlled, of one zone of each half width a.
     The value is -inf for half widths beyond its first maximum.
     """

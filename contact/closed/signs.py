@@ -45,7 +45,7 @@ def signs(zone: ClosedZone) -> tuple[Value, Value]:
     """
     if zone.problem.corner is not None:
         return zone.punch > 0.0, math.inf
-    pushes = _pushes(zone)
+    pushes = _is_compressive(zone)
     opens, gap = _opens(zone)
     return pushes & opens, gap
 
@@ -53,7 +53,7 @@ def signs(zone: ClosedZone) -> tuple[Value, Value]:
 # The following functions check the pressure inside the zone.
 
 
-def _pushes(zone: ClosedZone) -> Value:
+def _is_compressive(zone: ClosedZone) -> Value:
     """Whether the pressure p inside the zone, divided by sqrt(1 - t^2), is clearly positive.
 
     Up to a positive factor this is the polynomial q = sum g_k U_{k-1} plus a positive term of the
@@ -98,11 +98,11 @@ def places(zone: ClosedZone) -> Array:
         # `OPTIONS.max_nodes` nodes is not solved in closed form.
         most = SAMPLES_PER_DEGREE * OPTIONS.max_nodes
         count = int(min(max(SAMPLES_PER_DEGREE * room / feature, count), most))
-    return 1.0 + (problem.top / half - 1.0) * _squares(count)
+    return 1.0 + (problem.top / half - 1.0) * _graded_positions(count)
 
 
 @lru_cache(maxsize=8)
-def _squares(count: int) -> Array:
+def _graded_positions(count: int) -> Array:
     """Positions in (0, 1), closer together near 0."""
     return np.asarray(((np.arange(count) + 0.5) / count) ** 2)
 
@@ -111,7 +111,7 @@ def _squares(count: int) -> Array:
 def _to_far_away() -> Array:
     """Positions t > 1 up to 4 * 10^`OPTIONS.decades`, closer together near 1."""
     far = 4.0 * np.geomspace(1.0, 10.0**OPTIONS.decades, OPTIONS.decades * OPTIONS.outer_places + 1)
-    return np.concatenate((1.0 + 3.0 * _squares(OPTIONS.outer_places), far))
+    return np.concatenate((1.0 + 3.0 * _graded_positions(OPTIONS.outer_places), far))
 
 
 def _opens(zone: ClosedZone) -> tuple[Value, Value]:

@@ -95,7 +95,7 @@ def _lowest_levels(problem: Problem) -> Design:
     below = 1 - values / values.max(axis=1)[:, None]
     active = np.concatenate((below.ravel(), problem.rooms(best))) <= problem.tol**0.5
     rows = list(_level_slopes(problem, best, unit)[active]) + _at_bounds(problem, best, n + many)
-    return _design(problem, best, _left(mean, rows) * np.sqrt(many), str(found.message))
+    return _design(problem, best, _residual_norm(mean, rows) * np.sqrt(many), str(found.message))
 
 
 def _level_slopes(problem: Problem, vector: Array, unit: float) -> Array:
@@ -144,7 +144,9 @@ def _unbalanced(problem: Problem, vector: Array) -> float:
     """Norm of the part of the gradient that active bounds and conditions do not balance."""
     rows = _at_bounds(problem, vector, len(vector))
     active = problem.rooms(vector) <= problem.tol**0.5
-    return _left(problem.gradient(vector), rows + list(problem.room_slopes(vector)[active]))
+    return _residual_norm(
+        problem.gradient(vector), rows + list(problem.room_slopes(vector)[active])
+    )
 
 
 def _at_bounds(problem: Problem, vector: Array, count: int) -> list[Array]:
@@ -154,7 +156,7 @@ def _at_bounds(problem: Problem, vector: Array, count: int) -> list[Array]:
     return low + [-unit[k] for k in np.flatnonzero(vector >= 1 - close)]
 
 
-def _left(gradient: Array, rows: list[Array]) -> float:
+def _residual_norm(gradient: Array, rows: list[Array]) -> float:
     """Norm of the part of a gradient that is no sum of rows with multipliers of the right sign.
 
     The multipliers are found by least squares (conditions of Karush, Kuhn & Tucker).

@@ -188,7 +188,7 @@ def peaks(body: Body, criterion: Criterion) -> list[Peak]:
             best = max(best, float(value.max()))
             places.append((x, y, value, y))
     x, y, value, size = (np.concatenate(part) for part in zip(*places, strict=True))
-    x, y, size = _apart(x, y, value, size)
+    x, y, size = _separated(x, y, value, size)
     return _refined(body, criterion, x, y, size) + _at_corners(body, criterion)
 
 
@@ -309,7 +309,7 @@ class _Samples:
         return out
 
 
-def _apart(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array, Array]:
+def _separated(x: Array, y: Array, value: Array, size: Array) -> tuple[Array, Array, Array]:
     """(x, y, size) of places with a large stress, without those close to a larger stress.
     `size` is the length below which places count as close.
     """

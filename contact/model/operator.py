@@ -478,7 +478,7 @@ class BeyondStrip:
         # on a body with a base, the length `smooth.scale`.
         length = self.period if smooth.scale is None else smooth.scale / unit
         before, after = half + (x - self.centre), half - (x - self.centre)
-        total = length * (_entropy(before / length) + _entropy(after / length)) - 2 * half
+        total = length * (_x_log_x(before / length) + _x_log_x(after / length)) - 2 * half
         if not smooth.is_zero:
             raised = (
                 0.0
@@ -493,7 +493,7 @@ class BeyondStrip:
         return np.asarray(total / math.pi + (self.compression or 0.0) / unit)
 
 
-def _entropy(x: Array) -> Array:
+def _x_log_x(x: Array) -> Array:
     """x ln x for x > 0, and 0 for x <= 0."""
     x = np.maximum(x, 0.0)
     return np.asarray(scipy.special.xlogy(x, x))

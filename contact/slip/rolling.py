@@ -254,7 +254,7 @@ class Rolling:
         q' is the friction mu times the pressure, minus the shear. theta is proportional to the
         creepage.
         """
-        column = sie.Forcing(np.ones_like, _place, resolution=sie.Resolution(modes=1))
+        column = sie.Forcing(np.ones_like, _identity, resolution=sie.Resolution(modes=1))
         return sie.Equation(self.problem.kernel, self.problem.forcing, (condition,), (column,))
 
     def _near(self, equation: sie.Equation, widths: Array) -> tuple[sie.Free, Array] | None:
@@ -400,6 +400,6 @@ class Rolling:
         )
 
 
-def _place(x: Array) -> Array:
+def _identity(x: Array) -> Array:
     """The function x, which is the primitive of the constant 1."""
     return np.asarray(x)

@@ -163,7 +163,7 @@ def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
         if rho.size * count <= OPTIONS.memory_pairs:
             return _same_order(u[zone], rho)
         return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
-    return _by_horner(u, rho, zone, _seen_terms(rho, count))
+    return _by_horner(u, rho, zone, _needed_terms(rho, count))
 
 
 def sum_and_slope(u: Array, rho: NDArray[Any], zone: Index) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -171,7 +171,7 @@ def sum_and_slope(u: Array, rho: NDArray[Any], zone: Index) -> tuple[NDArray[Any
 
     Together they take little longer than `sum_of_powers` takes for one of them.
     """
-    order, point_rho, row, active = _sorted_pairs(rho, zone, _seen_terms(rho, u.shape[1]))
+    order, point_rho, row, active = _sorted_pairs(rho, zone, _needed_terms(rho, u.shape[1]))
     value, slope = np.zeros((2, len(order)), dtype=rho.dtype)
     for k in range(len(active) - 1, -1, -1):
         here, its_rho = slice(active[k]), point_rho[: active[k]]
@@ -184,7 +184,7 @@ def sum_and_slope(u: Array, rho: NDArray[Any], zone: Index) -> tuple[NDArray[Any
     return out[0], out[1]
 
 
-def _seen_terms(rho: NDArray[Any], count: int) -> Index:
+def _needed_terms(rho: NDArray[Any], count: int) -> Index:
     """For each rho, the number of terms u_k rho^k, k < `count`, that are above round-off."""
     with np.errstate(divide="ignore"):
         seen = np.ceil(-DIGITS / np.log(np.minimum(np.abs(rho), 1 - 1e-12)))

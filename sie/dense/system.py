@@ -119,7 +119,9 @@ class Targets:
         x = np.where(lefts <= rights, zones.a[zone] + lefts, zones.b[zone] - rights)
         return cls(zone, lefts, rights, x)
 
-    def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
+    def relative_to(
+        self, zones: Zones, sources: Index, shift: float
+    ) -> tuple[Outside, Array | None]:
         """(points in coordinates relative to each source zone, mask of points off that zone).
 
         The zones `sources` are moved by `shift`.
@@ -156,7 +158,9 @@ class Places:
 
     x: Array
 
-    def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
+    def relative_to(
+        self, zones: Zones, sources: Index, shift: float
+    ) -> tuple[Outside, Array | None]:
         """The points relative to the zones `sources`, which are moved by `shift`."""
         return outside(zones.a[sources] + shift, zones.b[sources] + shift, self.x[:, None]), None
 
@@ -181,7 +185,7 @@ def fields(
         sources = np.flatnonzero(layout.m == m)
         block = np.zeros((m + 1, len(targets.x), len(sources)))
         for shift in kernel.poles:
-            seen, others = targets.seen(zones, sources, shift)
+            seen, others = targets.relative_to(zones, sources, shift)
             if others is not None and len(zones) == 1:
                 continue
             terms = seen.one_by_one(potential, zones.half[sources] / kernel.datum, others)

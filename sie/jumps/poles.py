@@ -187,7 +187,7 @@ class Poles(PerZone):
         if points is None or not np.any(points.weights):
             return NO_POLES
         found, inside = [], []
-        for place, i, left, right in _seen(zones, points.places, period):
+        for place, i, left, right in _near_positions(zones, points.places, period):
             w = float(zones.half[i])
             away, size = points.poles(place, w)
             more = points.left_out(place, w)
@@ -384,7 +384,7 @@ class Poles(PerZone):
         return np.asarray(-((both / (1.0 - both) ** 2) @ weight) / seen.root)
 
 
-def _seen(
+def _near_positions(
     zones: Zones, places: Array, period: float | None
 ) -> Iterator[tuple[int, int, float, float]]:
     """Yield (position index, zone, distances from the zone's ends) for positions near a zone.

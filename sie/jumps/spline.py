@@ -383,7 +383,7 @@ class ConjugateSpline(Kept):
         return _graded(float(first), float(last))
 
     # The methods below integrate the spline g times smooth functions.
-    def _moments(self, cuts: Array) -> tuple[Array, Array]:
+    def _rule(self, cuts: Array) -> tuple[Array, Array]:
         """Nodes phi and weights of a quadrature rule for integrals int g F dphi, with the spline g.
         The rule is int g F dphi = sum of weights * F(phi).
 
@@ -411,8 +411,8 @@ class ConjugateSpline(Kept):
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
-        """Nodes and weights of the rule `_moments`, on panels that grow away from both ends."""
-        return self._moments(self._cuts)
+        """Nodes and weights of `_rule`, on panels that grow away from both ends."""
+        return self._rule(self._cuts)
 
     @cached_property
     def mean(self) -> float:
@@ -424,7 +424,7 @@ class ConjugateSpline(Kept):
         known = self.known.get("c", np.zeros(0))
         if len(known) < count:
             panels = int(np.ceil(np.pi * (count + 1) / SUMS.max_turn)) + 1
-            phi, weight = self._moments(np.linspace(0.0, np.pi, panels + 1))
+            phi, weight = self._rule(np.linspace(0.0, np.pi, panels + 1))
             known = 0.5 * waves((2 / np.pi) * weight, phi, count + 2).real[1:]
             known[2:] -= known[:-2].copy()
             self.known["c"] = known = known[:count]

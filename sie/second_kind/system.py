@@ -71,7 +71,7 @@ def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layo
     for basis, m, sources in alike(zones, layout.m):
         block = np.zeros((len(targets.x), len(sources), m + 1), dtype=numbers)
         for shift in kernel.poles:
-            seen, others = targets.seen(zones, sources, shift)
+            seen, others = targets.relative_to(zones, sources, shift)
             if others is not None and len(zones) == 1:
                 continue
             table = basis.transforms(m + 1, seen)
@@ -137,7 +137,7 @@ def potentials(zones: Zones, kernel: Kernel, targets: Targets, layout: Layout) -
         block = np.zeros((len(targets.x), len(sources), m + 1), dtype=numbers)
         w = zones.half[sources]
         for shift in kernel.poles:
-            seen, others = targets.seen(zones, sources, shift)
+            seen, others = targets.relative_to(zones, sources, shift)
             table = basis.potentials(m + 1, seen)
             table[..., 0] += np.log(w / kernel.datum)
             block += table if others is None else table * others[..., None]
@@ -200,7 +200,7 @@ class SecondKindRows(Rows):
             w, own = zones.half[one.zone], targets.zone == one.zone
             out[own] -= one.own(targets.left[own] / w, targets.right[own] / w)
             for shift in kernel.poles:
-                seen, others = targets.seen(zones, np.array([one.zone]), shift)
+                seen, others = targets.relative_to(zones, np.array([one.zone]), shift)
                 value = one.transform(seen)[:, 0]
                 out -= value if others is None else value * others[:, 0]
             if kernel.regular is not None:
@@ -316,7 +316,7 @@ class SecondKindRows(Rows):
             level = one.total / np.pi * np.log(w / kernel.datum)
             out[own] += w * (level + one.own_level(targets.left[own] / w, targets.right[own] / w))
             for shift in kernel.poles:
-                seen, others = targets.seen(zones, np.array([one.zone]), shift)
+                seen, others = targets.relative_to(zones, np.array([one.zone]), shift)
                 value = w * (level + one.potential(seen)[:, 0])
                 out += value if others is None else value * others[:, 0]
             if kernel.regular is not None:

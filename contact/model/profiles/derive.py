@@ -327,7 +327,7 @@ def _quotients(
     rounding = EPS * (
         np.maximum(np.maximum(np.abs(right), np.abs(left)), highest) + np.abs(x * quotients)
     )
-    hidden = np.repeat(_hidden(right - 2 * here + left, rounding, blocks, options), blocks)
+    hidden = np.repeat(_block_round_off(right - 2 * here + left, rounding, blocks, options), blocks)
     # This combination of the quotients with the steps h, 2h, 4h and 8h has no error terms in h^2,
     # h^4 and h^6.
     values = (
@@ -378,7 +378,9 @@ def _first_run(values: Array, noise: Array, options: DifferenceOptions) -> tuple
     return best, doubt
 
 
-def _hidden(evens: Array, rounding: Array, blocks: int, options: DifferenceOptions) -> Array:
+def _block_round_off(
+    evens: Array, rounding: Array, blocks: int, options: DifferenceOptions
+) -> Array:
     """Round-off of heights in each block of places, found from differences; 0 if not found.
 
     The result may exceed `rounding`: near x = 0, the round-off of cosh(x) - 1 is that of cosh(x).

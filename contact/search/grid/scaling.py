@@ -117,7 +117,7 @@ def _window(scene: Scene, profile: Tilted) -> Window:
     try:
         if load is not None:
             return window_at_load(scene, profile, load)
-        first = fixed or find(profile.height, load=_light(scene))
+        first = fixed or find(profile.height, load=_small_load(scene))
         level, deepest = _lowest_unturned(scene), lowest(profile, first)
         value = scene.held(Quantity.APPROACH)
         assert value is not None
@@ -139,7 +139,7 @@ def _lowest_unturned(scene: Scene) -> float:
     cell = profile.support or profile.extent
     if cell is None and profile.period is None and profile.summits is None:
         cell = _window_about_lowest(
-            profile, _finder(scene, profile), _light(scene), _window_of_shape(profile)
+            profile, _finder(scene, profile), _small_load(scene), _window_of_shape(profile)
         )
     return lowest(profile, cell)
 
@@ -164,7 +164,7 @@ def _finder(scene: Scene, profile: Profile) -> Callable[..., Window]:
     return find
 
 
-def _light(scene: Scene) -> float:
+def _small_load(scene: Scene) -> float:
     """A load so small that the contact is narrow compared with the datum, a length."""
     return SEARCH.light_load * scene.E_star * (scene.operator.datum or 1.0)
 
@@ -216,7 +216,7 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
         # any load, so it is sought in the contact under a light load.
         dip, value = _window_of_shape(profile), scene.held(Quantity.APPROACH)
         assert value is not None
-        light = _light(scene) if dip is None else value * scene.E_star * SEARCH.light_load
+        light = _small_load(scene) if dip is None else value * scene.E_star * SEARCH.light_load
         first = _window_about_lowest(profile, find, light, dip)
         window = find(profile.height, level=lowest(profile, first) + value, start=first, load=light)
     origin = 0.0 if profile.symmetric else _origin_of(profile, window)

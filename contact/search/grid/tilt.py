@@ -121,7 +121,7 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
         or scene.profile.resolution
         or 1.0
     )
-    resting, edge = _resting(
+    resting, edge = _hull_edge(
         scene.profile, centre, known, _hull([first or (-size, size), (centre, centre)])
     )
     tilts = (guess, resting)
@@ -206,7 +206,7 @@ def _hull(windows: Iterable[Window]) -> Window:
     return min(lo), max(hi)
 
 
-def _resting(
+def _hull_edge(
     profile: Profile, centre: float, known: Window | None, about: Window
 ) -> tuple[float, Window | None]:
     """(slope, ends) of the edge of the profile's lower convex hull that contains x = `centre`.

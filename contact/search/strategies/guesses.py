@@ -256,7 +256,7 @@ class _GridSearch:
     def run(self, points: int | None) -> Outcome:
         """The contact, from finer and finer grids. points: size of the coarsest grid."""
         context = self.context
-        self._begin()
+        self._record_grid()
         proposal: Proposal | None = None
         while points is None or points <= self.most:
             proposal = self._proposed(points)
@@ -279,7 +279,7 @@ class _GridSearch:
             points *= OPTIONS.refinement
         raise self._error(proposal, points)
 
-    def _begin(self) -> None:
+    def _record_grid(self) -> None:
         """Record the choice of a grid in the plan; raise OutOfRange if the load is not positive."""
         context, control = self.context, self.scaled.control
         part = context.plan["coarse search"]
