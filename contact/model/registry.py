@@ -35,7 +35,7 @@ class Named(NamesArguments):
             annotation = str(inspect.get_annotations(cls).get("name", "ClassVar"))
             if "ClassVar" not in annotation:
                 allowed = (
-                    "called otherwise: the name of a class is what scene files and messages call it"
+                    "given another name: `name` is what scene files and messages call the class"
                 )
                 raise SceneError.of(f"a field of {cls.__name__}", "name", allowed)
             cls.name = cls.__name__
@@ -72,7 +72,7 @@ class Registry:
             raise SceneError.of(
                 f"{self.kind} name",
                 name,
-                f"new (it already stands for {self._classes[name].__qualname__})",
+                f"a new name (this one already belongs to {self._classes[name].__qualname__})",
             )
         cls.name = name  # type: ignore[attr-defined]
         self._classes[name] = cls
@@ -150,7 +150,11 @@ def anew(kind: Callable[..., Any], arguments: Mapping[str, Any]) -> Any:
     """
     name = getattr(kind, "__name__", str(kind))
     call = f"{name}({', '.join(f'{key}=...' for key in arguments)})"
-    with of_author(call, name, hint="; a frozen dataclass takes its fields by name"):
+    with of_author(
+        call,
+        name,
+        hint="; the class must accept its parameters by name, as a frozen dataclass does",
+    ):
         part = kind(**arguments)
     return part
 

@@ -188,7 +188,7 @@ class Scene(NamesArguments, sie.Kept):
             raise SceneError.of(
                 "interaction.needs_period",
                 self.interaction.needs_period,
-                "True: a strip is cut from a period",
+                "True, since a strip is one period of the profile",
             )
         keep(self, positive, "E_star")
         keep(self, finite_or_none, *TURNING)
@@ -196,7 +196,7 @@ class Scene(NamesArguments, sie.Kept):
             raise SceneError.of(
                 "interaction",
                 self.interaction.name,
-                f"a model without a period, as {self.profile.no_period}",
+                f"a model without a period, since {self.profile.no_period}",
             )
         self._check_body()
         self._check_turning()
@@ -216,7 +216,7 @@ class Scene(NamesArguments, sie.Kept):
                 raise SceneError.of(
                     "control.name",
                     self.given.name,
-                    "another name: it is that of a control of the package",
+                    "another name: the package has a control of this name",
                 )
         control = self.control_object
         name = control.name
@@ -239,8 +239,8 @@ class Scene(NamesArguments, sie.Kept):
             # as the zones. Under a flat punch, every isolated contact has the width of the punch,
             # so that its load is not determined.
             allowed = (
-                "another model or closure: every isolated load has the width of a "
-                f"{self.profile.name} profile"
+                "another model or closure: under a flat profile, an isolated contact has the "
+                "same width at every load"
             )
             raise SceneError.of("interaction", self.interaction, allowed)
 
@@ -325,13 +325,14 @@ class Scene(NamesArguments, sie.Kept):
         """
         for part in (self.interaction, self.law):
             if asked not in part.allows:
-                allowed = f"left out: the controls of {part.name} are {', '.join(part.allows)}"
+                allowed = f"left out: {part.name} accepts only {', '.join(part.allows)}"
                 raise SceneError.of(control.name, control.value, allowed)
         if control.name not in CONTROLS and not self.law.equilibria.unique:
             raise SceneError.of(
                 control.name,
                 control.value,
-                f"left out: under {self.law.name} a load may have several contacts",
+                f"left out: under {self.law.name} a load may have several contacts, but your own "
+                "control needs one contact for each load",
             )
 
     def _named(self, control: Control) -> Control | None:
@@ -357,8 +358,8 @@ class Scene(NamesArguments, sie.Kept):
         if operator.is_own:
             if not isinstance(body, HalfPlane):
                 allowed = (
-                    f"left out with {model.name}, which gives a kernel of its own in place "
-                    "of the substrate's"
+                    f"left out: {model.name} has its own kernel, which does not depend on the "
+                    "substrate"
                 )
                 raise SceneError.of("substrate", body.name, allowed)
             if is_own(model):
@@ -368,7 +369,7 @@ class Scene(NamesArguments, sie.Kept):
                     resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0),
                 )
         elif body.compression is not None and model.datum is not None:
-            allowed = f"left out with {body.name}, which has a base that displacements count from"
+            allowed = f"left out: displacements of {body.name} are measured from its base"
             raise SceneError.of("interaction.datum", model.datum, allowed)
         if operator.is_periodic and operator.symbol is not None:
             # The attribute `excess` is computed here because this also checks the symbol at the
@@ -380,7 +381,7 @@ class Scene(NamesArguments, sie.Kept):
         if not law.turns and self.turned:
             ((turning, value),) = self.turning.items()
             raise SceneError.of(
-                turning, value, f"left out: {law.name} is not solved for bodies that turn"
+                turning, value, f"left out: {law.name} is solved only for bodies that do not tilt"
             )
         require_law(law, self.E_star)
         why = _REFUSES.text(law.refuses, self)
@@ -392,15 +393,14 @@ class Scene(NamesArguments, sie.Kept):
             raise SceneError.of(
                 " and ".join(TURNING),
                 tuple(self.turning.values()),
-                "one of them: the other is part of the solution",
+                "only one of the two: the other is part of the solution",
             )
         if self.turning and not self.interaction.turns:
             ((turning, value),) = self.turning.items()
             raise SceneError.of(
                 turning,
                 value,
-                f"left out: a body that repeats, as {self.interaction.name} takes it, does not "
-                "turn",
+                f"left out: in the model {self.interaction.name} the body cannot tilt",
             )
 
     @property

@@ -100,7 +100,7 @@ def load_tables(path: str | PathLike[str]) -> Table:
         ) from error
     # The user may have given a measured trace instead of a scene file.
     of_trace = (
-        f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
+        f" with a scene (for a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
     )
     return read_tables(written, str(path), "" if path.suffix.lower() == ".toml" else of_trace)
 
@@ -129,7 +129,8 @@ def tangential_from_tables(tables: Table) -> Tangential:
     """The `Tangential` that the table [tangential] gives; SceneError if there is no such table."""
     if TANGENTIAL not in tables:
         raise SceneError(
-            "[tangential] is missing: it has friction, and load or creepage", TANGENTIAL
+            "[tangential] is missing: add this table, with friction and with load or creepage",
+            TANGENTIAL,
         )
     material = tables.get("material", {})
     return _under(f"[{TANGENTIAL}]", Tangential.from_table, tables[TANGENTIAL], material)
@@ -144,7 +145,7 @@ def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Sc
     missing = [f"[{name}]" for name in TABLES if name not in tables]
     if missing:
         raise SceneError(
-            f"{' and '.join(missing)} missing: a scene has the tables {', '.join(TABLES)}"
+            f"{' and '.join(missing)} missing: a scene needs the tables {', '.join(TABLES)}"
         )
     others_given = (name for name in (COUNTER, *OPTIONAL, TANGENTIAL) if name in tables)
     for name in (*TABLES, *others_given):
@@ -190,14 +191,14 @@ def _read_material(table: Table) -> float:
         if len(table) > 1:
             others = ", ".join(name for name in table if name != "E_star")
             raise SceneError(
-                f"E_star and {others} are given: give E_star, or the moduli it is made of"
+                f"E_star and {others} are given: give only E_star, or only the moduli of the bodies"
             )
         return table["E_star"]
     for name in ("E1", "nu1"):
         if name not in table:
             raise SceneError(
-                f"{name} is missing: give E_star, or E1 and nu1, and E2, nu2 of an elastic "
-                "counter-body"
+                f"{name} is missing: give E_star, or E1 and nu1 (with E2 and nu2 if the "
+                "counter-body is elastic)"
             )
     return E_star(**table)
 
@@ -230,7 +231,9 @@ def _read_control(table: Table) -> dict[str, Any]:
 def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
     """The name that stands under `key` in a table, and the table without this key."""
     if key not in table:
-        raise SceneError(f"{key} is missing: it names what the other keys are parameters of")
+        raise SceneError(
+            f"{key} is missing: add the name of the {key} to which the other keys belong"
+        )
     rest = dict(table)
     return text(key, rest.pop(key)), rest
 
@@ -284,7 +287,7 @@ def to_toml(scene: Scene, written: Mapping[str, Table] | None = None) -> str:
             raise SceneError.of(
                 registry.kind,
                 type(part).__name__,
-                f"registered under a name, as by contact.register_{registry.kind}",
+                f"registered under a name, for example by contact.register_{registry.kind}",
             )
     text_tables = tables(scene)
     for place, table in (written or {}).items():
@@ -338,7 +341,7 @@ def toml(value: Any) -> str:
     raise SceneError.of(
         "value",
         value,
-        "a number, a text, true or false, or a list of them: a scene file holds nothing else",
+        "a number, a text, true or false, or a list of these, as a scene file requires",
     )
 
 

@@ -60,8 +60,8 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
         at = ""
         if found.dtype.kind in "iuf" and found.shape == q.shape:
             at = (
-                f" (not at q = {q[~np.isfinite(found)].ravel()[0]:.6g} 1/m: exponentials that grow "
-                "overflow, those that fall do not)"
+                f" (not finite at q = {q[~np.isfinite(found)].ravel()[0]:.6g} 1/m: if growing "
+                "exponentials overflow there, write the formula with decaying ones)"
             )
         raise SceneError.of(name, value, f"real, finite, and of the shape of q{at}")
     if not np.all(found > 0):
@@ -69,7 +69,7 @@ def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
         raise SceneError.of(
             name,
             float(found.min()),
-            f"above 0: at q = {lowest:.6g} 1/m pressure would lift the surface",
+            f"above 0: at q = {lowest:.6g} 1/m pressure would not press the surface down",
         )
     return np.asarray(found, dtype=np.float64)
 
@@ -92,7 +92,7 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
             return deviation[: seen[-1] + 1] if len(seen) else np.zeros(0)
         if count >= OPTIONS.max_harmonics:
             allowed = (
-                f"1 for short waves: to {4 * EPS:.0e} from harmonic "
+                f"1 for short waves, within {4 * EPS:.0e} at the latest from harmonic "
                 f"{OPTIONS.max_harmonics} of the period on"
             )
             raise SceneError.of(f"{of}.symbol(q)", float(found[-1]), allowed)

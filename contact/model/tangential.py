@@ -48,10 +48,10 @@ class Tangential:
         one_of("model", self.model, MODELS)
         one_of("leading", self.leading, ("right", "left"))
         if (self.load is None) == (self.creepage is None):
-            raise SceneError("load or creepage: exactly one of them is given", "load")
+            raise SceneError("load or creepage: give exactly one of them", "load")
         rolls = self.model == "rolling"
         if not rolls and (self.creepage is not None or self.leading != "right"):
-            raise SceneError("creepage and leading belong to model = 'rolling'", "model")
+            raise SceneError("creepage and leading need model = 'rolling'", "model")
         if rolls and self.bulk_stress:
             raise SceneError.of("bulk_stress", self.bulk_stress, "left out with model = 'rolling'")
 
@@ -64,15 +64,15 @@ class Tangential:
         for name in table:
             one_of("key", name, names)
         if "friction" not in table:
-            raise SceneError("friction is missing: the coefficient of friction", "friction")
+            raise SceneError("friction is missing: give the coefficient of friction", "friction")
         if isinstance(material, Mapping) and "E1" in material and "nu1" in material:
             beta = dundurs_beta(**material)
             if abs(beta) > _EQUAL_BODIES:
                 raise SceneError(
-                    f"the moduli of [material] differ (Dundurs' beta = {beta:.4g}), so that shear "
-                    "changes the pressure, which is solved for full sliding alone ([law] model = "
-                    "'sliding'): give E2 and nu2 equal to E1 and nu1, or give E_star to leave this "
-                    "out",
+                    f"the bodies of [material] differ (Dundurs' beta = {beta:.4g}), so that shear "
+                    "changes the pressure. This is solved only for full sliding ([law] model = "
+                    "'sliding'). Give E2 and nu2 equal to E1 and nu1, or give E_star to neglect "
+                    "this effect",
                     "material",
                 )
         return cls(**table)

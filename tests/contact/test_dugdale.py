@@ -355,7 +355,7 @@ def test_what_does_not_go_with_it_is_refused_by_name():
         contact.SceneError, match="dugdale is not solved with the localized interaction"
     ):
         contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=law, load=0.01)
-    with pytest.raises(contact.SceneError, match="the controls of dugdale are"):
+    with pytest.raises(contact.SceneError, match="dugdale accepts only"):
         contact.Scene(
             contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=law, contact_fraction=0.5
         )

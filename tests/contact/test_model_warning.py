@@ -167,7 +167,7 @@ class TestTraces:
     @pytest.mark.parametrize(
         ("units", "words"),
         [
-            (None, ("4 km long", "pitch of 400 mm", "no units being given")),
+            (None, ("4 km long", "pitch of 400 mm", "(no units given)")),
             ("m", ("4 km long", '"m"')),
             ("mm", ("4 m long",)),
             ("pm", ("4 nm long", "pitch of 0.4 pm")),

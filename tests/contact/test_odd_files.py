@@ -191,7 +191,7 @@ def test_a_remark_does_not_give_the_unit_of_a_column_of_heights(tmp_path: Path) 
 def test_without_units_metres_are_assumed_with_a_warning_if_they_are_implausible(
     tmp_path: Path, scale: float
 ) -> None:
-    warned(tmp_path, table(scale * X, 1e-3 * Z), "no units being given", "set units")
+    warned(tmp_path, table(scale * X, 1e-3 * Z), "(no units given)", "set units")
     half = 1e-3 * np.arange(501)
     warned(tmp_path, table(half, 1e-4 * np.sin(300 * half)), "500 mm long", "pitch of 1 mm")
 
@@ -248,8 +248,10 @@ def test_repeated_positions_are_refused_with_a_hint_to_heights_and_a_pitch(tmp_p
 
 
 def test_a_missing_column_is_named_with_the_columns_of_the_file(tmp_path: Path) -> None:
-    refused(tmp_path, UM + table(), "column 7 is not there", columns=[0, 7])
-    refused(tmp_path, UM + table(), "column 2 is not there", columns=[2], pitch=1e-6)
+    refused(tmp_path, UM + table(), "there is no column 7, only columns 0 to 1", columns=[0, 7])
+    refused(
+        tmp_path, UM + table(), "there is no column 2, only columns 0 to 1", columns=[2], pitch=1e-6
+    )
     refused(tmp_path, UM + table(), "line 1 has 'x [um]', 'z [um]'", columns=["x", "height"])
 
 
@@ -283,7 +285,7 @@ def test_other_words_are_refused_with_a_hint_to_the_option_missing(
     tmp_path: Path, word: str, between: str
 ) -> None:
     content = UM + table(z=holed(word), between=between)
-    refused(tmp_path, content, "line 7", "missing says so")
+    refused(tmp_path, content, "line 7", "use missing = ")
     assert read(tmp_path, content, fill="drop", missing=word).x.size == N - 3
 
 

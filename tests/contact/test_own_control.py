@@ -153,7 +153,7 @@ def test_the_quantity_that_a_control_prescribes_must_be_possible_in_the_scene(
 
 
 def test_a_model_that_admits_no_contact_fraction_admits_no_width() -> None:
-    with pytest.raises(contact.SceneError, match="nanometres = .* the controls of localized"):
+    with pytest.raises(contact.SceneError, match="nanometres = .* localized accepts only"):
         contact.Scene(WAVE, 1e9, contact.Localized(), given=Nanometres(4e4, Quantity.WIDTH))
 
 

@@ -289,8 +289,8 @@ def cosine(k, x, xi):
 
 WRONG = {
     "no potential": made(waves(sine, None)),
-    "not the derivative in x": made(waves(sine, lambda k, x, xi: 2 * cosine(k, x, xi))),
-    "not one of x - xi alone": made(
+    "not the derivative of its potential": made(waves(sine, lambda k, x, xi: 2 * cosine(k, x, xi))),
+    "not depend on x - xi alone": made(
         waves(lambda k, x, xi: k * np.sin(k * x) * np.cos(k * xi), cosine)
     ),
     "not odd": made(waves(lambda k, x, xi: sine(k, x, xi) + np.cos(k * (x - xi)), cosine)),
@@ -301,7 +301,7 @@ WRONG = {
         )
     ),
     "kernel.period": made(lambda period, unit: sie.cauchy()),
-    "symbol above 0": made(
+    "symbol is above 0": made(
         waves(lambda k, x, xi: -3 * sine(k, x, xi), lambda k, x, xi: -3 * cosine(k, x, xi))
     ),
     "does not scale with the unit": made(
@@ -315,7 +315,7 @@ WRONG = {
     ),
     "a sie.Kernel": made(lambda period, unit: None),
     "raises ValueError": made(lambda period, unit: sie.hilbert(None) + None),
-    "that of the kernel at wave 1": made(
+    "the kernel's symbol at harmonic 1": made(
         waves(sine, cosine), symbol=lambda self, q: np.ones_like(q)
     ),
     "1 for short waves": made(

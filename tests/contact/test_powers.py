@@ -460,7 +460,7 @@ def test_check_profile_finds_an_error_of_one_percent_in_a_coefficient(n):
             return super().algebraic_points * [[1.0, 1.0, 1.0, 1.01]]
 
     report = check_profile(Off(0.01, n), raises=False)
-    assert any("algebraic point" in fault and "right" in fault for fault in report.faults)
+    assert any("algebraic_points" in fault and "right" in fault for fault in report.faults)
 
 
 def test_the_plan_counts_algebraic_points():

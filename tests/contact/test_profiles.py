@@ -192,7 +192,7 @@ def test_flat_ends_at_its_corners() -> None:
 def test_a_polynomial_cell_may_have_a_kink_but_no_step_at_its_border() -> None:
     p = Polynomial([0, -1.0, 1.0, 1.0], 2.0)  # f(1) = f(-1) = 1, f'(1) = 4, f'(-1) = 0
     assert np.allclose(p.kinks, [[-1, -4]], rtol=1e-15)
-    with pytest.raises(SceneError, match="equal height at both borders"):
+    with pytest.raises(SceneError, match="heights at both ends of the period agree"):
         Polynomial([0, 1.0, 1.0], 2.0)
 
 

@@ -93,7 +93,7 @@ def test_unknown_and_missing_parameters_are_named() -> None:
 
 
 def test_a_name_taken_twice_is_refused(cosh: type[contact.Profile]) -> None:
-    with pytest.raises(SceneError, match="already stands for"):
+    with pytest.raises(SceneError, match="already belongs to"):
         contact.register_profile("test-cosh")(cosh)
 
 

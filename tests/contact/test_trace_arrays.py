@@ -122,7 +122,7 @@ def test_a_prepared_array_is_prepared_again_in_another_way() -> None:
 @pytest.mark.parametrize(
     ("read", "message"),
     [
-        (lambda: read_trace((X, Z[1:])), r"z = .* as many heights as there are x \(101, not 100\)"),
+        (lambda: read_trace((X, Z[1:])), r"z = .* as many heights as positions x \(101, not 100\)"),
         (lambda: read_trace((X * 1e-6, HOLED)), r"\(x, z\), element 7: no finite height"),
         (lambda: read_trace((HOLED, Z)), r"\(x, z\), element 7: the position is not finite"),
         (lambda: read_trace((X, Z), units="furlong"), "units = 'furlong' is not known"),
@@ -131,7 +131,7 @@ def test_a_prepared_array_is_prepared_again_in_another_way() -> None:
         (lambda: read_trace(np.column_stack((X, Z))), r"table\[:, 0\]"),
         (lambda: read_trace(([], [])), r"z = \[\] is refused"),
         (lambda: read_trace([]), "a pair"),
-        (lambda: read_trace(Z), "heights alone with pitch"),
+        (lambda: read_trace(Z), "heights with pitch"),
         (lambda: read_trace((X, Z), pitch=1.0), "pitch = 1.0 is refused: it must be left out"),
         (lambda: read_trace((X, Z, Z)), "a pair"),
         (lambda: read_trace((X, Z), columns=(0, 1)), "columns = .* left out"),
@@ -140,11 +140,14 @@ def test_a_prepared_array_is_prepared_again_in_another_way() -> None:
         (lambda: read_trace(None), "path_or_arrays = None is refused"),
         (lambda: read_trace((X, Z + 0j)), "z = .* real numbers"),
         (lambda: read_trace((Quantity(X, None), Quantity(Z, 1.0))), "x = .* a length"),
-        (lambda: read_trace((Quantity(X, 1.0), Z)), "with a unit if x has one"),
-        (lambda: read_trace((Quantity(X, 1.0),) * 2, units="um"), "units = 'um' .* of their own"),
+        (lambda: read_trace((Quantity(X, 1.0), Z)), "with a unit if x has a unit"),
+        (
+            lambda: read_trace((Quantity(X, 1.0),) * 2, units="um"),
+            "units = 'um' .* their own units",
+        ),
         (lambda: read_trace(Scan(unit=None)), "it has no unit"),
         (lambda: read_trace(Scan(), line=1), "line = 1 is refused"),
-        (lambda: read_trace(io.StringIO("")), "no rows left"),
+        (lambda: read_trace(io.StringIO("")), "rows left to read"),
         (lambda: read_trace(SimpleNamespace(read=lambda: 1)), "text or bytes"),
         (lambda: Sampled.prepared(X, Z, detrand=1), "did you mean 'detrend'"),
         (lambda: contact.Fourier(1.0, Quantity([1.0], 1.0), [0.0]), "cosine = .*without a unit"),  # type: ignore[arg-type]

@@ -52,7 +52,7 @@ def refused(path: Path, *words: str, **keys: object) -> None:
 def test_descending_positions_are_reversed_and_the_history_says_so(tmp_path: Path) -> None:
     read = contact.read_trace(write(tmp_path, rows()[::-1]))
     assert np.array_equal(read.x, X) and np.array_equal(read.heights, Z)
-    assert "turned round" in read.history[1]
+    assert "order reversed" in read.history[1]
 
 
 def test_points_out_of_order_are_sorted_only_if_asked(tmp_path: Path) -> None:
@@ -106,7 +106,7 @@ def test_heights_missing_from_the_first_row_on_are_no_header(tmp_path: Path, mar
 
 def test_a_repeated_value_that_may_mark_missing_heights_causes_a_warning(tmp_path: Path) -> None:
     path = write(tmp_path, rows(with_holes(20, 21, mark="-32768")), "x [m];z [m]")
-    with pytest.warns(contact.ModelWarning, match="stands 2 times"):
+    with pytest.warns(contact.ModelWarning, match="occurs 2 times"):
         contact.read_trace(path)
 
 
@@ -195,7 +195,7 @@ def test_filters_in_a_scene_file_act_as_in_read_trace(tmp_path: Path) -> None:
         ({"fill": "zero"}, "fill = "),
         ({"detrend": 13}, "detrend = 13"), ({"detrend": True}, "detrend = True"), ({"detrend": "cube"}, "detrend = 'cube'"),
         ({"missing": True}, "missing = True"), ({"missing": ""}, "missing = ''"),
-        ({"channel": "Z"}, "channel = 'Z'"), ({"line": 3}, "line is for a map"),
+        ({"channel": "Z"}, "channel = 'Z'"), ({"line": 3}, "line is only for a map"),
     ],
     ids=str,
 )  # fmt: skip

@@ -145,7 +145,7 @@ def test_corners_face_each_other_however_many_periods_the_counter_body_is_shifte
     assert contact.Combined(*rows, shift=0.265 + turns).support == pytest.approx(
         (0.18, 0.35), abs=1e-13
     )
-    with pytest.raises(contact.SceneError, match="2 stretches"):
+    with pytest.raises(contact.SceneError, match="2 intervals"):
         contact.Combined(
             contact.Flat(0.29, 1.0), contact.Flat(1.398, 2.0), shift=-0.245 + 2.0 * turns
         )
@@ -257,21 +257,21 @@ REFUSED = {
     "too many cells": (
         lambda: Combined(Sinusoid(1e-6, 1.0), Sinusoid(1e-6, 3e-5)),
         "counter.period",
-        "ratio of whole numbers",
+        "fraction of whole numbers",
     ),
-    "apart": (lambda: Combined(PIECE, PIECE, 2 * L), "shift", "face each other"),
-    "half a corner": (lambda: Combined(PIECE, Flat(L), L), "shift", "or neither"),
+    "apart": (lambda: Combined(PIECE, PIECE, 2 * L), "shift", "parts of the bodies overlap"),
+    "half a corner": (lambda: Combined(PIECE, Flat(L), L), "shift", "or lies between them"),
     "punches in a row": (
         lambda: Combined(Flat(L / 2, L), Sinusoid(1e-6, 3 * L)),
         "counter",
-        "3 stretches",
+        "3 intervals",
     ),
     "punches without end": (
         lambda: Combined(Parabola(1.0), Flat(L / 2, L)),
         "counter",
-        "one stretch",
+        "one common interval",
     ),
-    "flats apart": (lambda: Combined(Flat(L), Flat(L), 2 * L), "counter", "touch nowhere"),
+    "flats apart": (lambda: Combined(Flat(L), Flat(L), 2 * L), "counter", "never face each other"),
     "a number": (lambda: Combined(PIECE, 3), "counter", "one body"),
     "a pair": (lambda: Combined(Combined(TRACE, TRACE), TRACE), "profile", "one body"),
     "a shift that is none": (lambda: Combined(TRACE, TRACE, np.nan), "shift", "finite"),
@@ -283,7 +283,7 @@ REFUSED = {
     "no period": (
         lambda: Scene(Combined(TRACE, PIECE), E, Periodic(), load=1.0),
         "interaction",
-        "counter has none",
+        "counter has no period",
     ),
 }
 
@@ -362,7 +362,7 @@ def test_a_scene_file_holds_both_bodies_and_is_written_as_it_was_read(tmp_path) 
         ('"wedge"', '"wegde"', r"\[counter\] shape = 'wegde'"),
         ("shift = 1e-5", 'shift = "1e-5"', r"\[counter\] shift"),
         ("period = 2e-4", "period = 2.1234567e-5", r"\[counter\] counter.period"),
-        ("period = 2e-4", "", "counter has none"),
+        ("period = 2e-4", "", "counter has no period"),
         ("[counter]", "[conter]", "did you mean 'counter'"),
     ],
 )  # fmt: skip

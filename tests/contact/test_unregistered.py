@@ -141,7 +141,8 @@ def test_every_use_of_a_scene_works_with_an_unregistered_part(kind: str, tmp_pat
         pytest.approx(1.01 * value),
     )
     with pytest.raises(
-        contact.SceneError, match=f"{NAMES[kind]}.*registered under a name, as by contact.register_"
+        contact.SceneError,
+        match=f"{NAMES[kind]}.*registered under a name, for example by contact.register_",
     ):
         to_toml(given)
 

@@ -85,10 +85,10 @@ _TEXT = Form(_is_text, "a non-empty string")
 _NOT_BELOW_0 = Form(_is_not_negative, f"a finite number >= 0 {_NO_METHOD}")
 _LENGTH = Form(_is_length_or_none, f"None, or a length > 0 [m] {_NO_METHOD}")
 _COUNT = Form(_is_count, "a whole number >= 0")
-_NAMES = Form(_are_controls, f"a tuple of names of controls, of {', '.join(CONTROLS)}")
+_NAMES = Form(_are_controls, f"a tuple of control names, each one of {', '.join(CONTROLS)}")
 _TABLE = Form(
     _is_or_none(Mapping),  # type: ignore[type-abstract]
-    'None, or a dictionary of units by parameter, such as {"depth": "m"}',
+    'None, or a dictionary with the unit of each parameter, such as {"depth": "m"}',
 )
 _QUANTITY = Form(_is_or_none(Quantity), "None, or a contact.model.controls.Quantity")
 _BARE = Form(_is_or_none(Law), "None, or a law, such as contact.Frictionless()")
@@ -208,7 +208,7 @@ def require_conjugate(profile: Profile) -> None:
     array = np.zeros(x.shape) if value is None else as_array(value)
     if array.dtype.kind not in "iuf" or array.shape != x.shape:
         raise SceneError.of(
-            method.what, value, f"None, or real numbers of the shape of x, {x.shape}"
+            method.what, value, f"None, or real numbers in an array of the shape of x, {x.shape}"
         )
 
 
@@ -246,7 +246,7 @@ class AuthorMethod(NamedTuple):
         value = self.value(method, *arguments)
         if value is None or isinstance(value, str):
             return value or ""
-        raise SceneError.of(self.what, value, "words that end a sentence, or None")
+        raise SceneError.of(self.what, value, "a text that gives the reason, or None")
 
     def rows(self, kind: type, method: Callable[..., Any], *arguments: Any) -> tuple[Any, ...]:
         """The tuple of objects that the method returns, all of the class `kind`."""
@@ -269,19 +269,19 @@ def require_law(law: Law, E_star: float) -> None:
     method = AuthorMethod("law.intensity(E_star)", "law")
     intensity = method.number(law.intensity, E_star, allowed=allowed)
     if intensity > 0:
-        why = "no pressure rises without bound at an end that is free to move"
+        why = "a free end of a zone cannot carry infinite pressure"
         raise SceneError.of(method.what, intensity, f"{allowed} and at most 0: {why}")
     if intensity < 0 and not law.pulls:
         raise SceneError.of(
             "law.pulls",
             law.pulls,
-            f"True, as its intensity {intensity:.6g} makes the pressure negative at every end",
+            f"True, since the law's intensity {intensity:.6g} means tension at every end of a zone",
         )
     if (law.tension > 0) != (law.reach > 0):
         raise SceneError.of(
             "law.reach",
             law.reach,
-            f"above 0 [m] where the tension is, and 0 where it is 0 (tension = {law.tension!r})",
+            f"above 0 [m] if the tension is above 0, and 0 if it is 0 (tension = {law.tension!r})",
         )
 
 
@@ -297,7 +297,8 @@ def held_by(control: Control, scene: Any) -> Held | None:
     held = method.value(control.held, scene)
     if held is None and type(control).of is Control.of:
         allowed = (
-            "defined: it returns the value that a solution has (or define `held` or `quantity`)"
+            "defined: it returns the controlled quantity of a solution (or define `held` or "
+            "`quantity`)"
         )
         raise SceneError.of("control.of(solution)", None, allowed)
     if held is not None and not (isinstance(held, Held) and isinstance(held.quantity, Quantity)):

@@ -178,8 +178,8 @@ def higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
     jumps = np.asarray(profile.jumps)
     if jumps.ndim != 2 or jumps.shape[1] != 3 or not np.isin(jumps[:, 1], (2, 3)).all():
         yield (
-            "jumps must be an array of shape (k, 3): position, order 2 or 3, jump of that "
-            "derivative"
+            "jumps must be an array of shape (k, 3); its columns are the position, the order "
+            "of the derivative (2 or 3), and the jump of this derivative"
         )
         return
     lo, hi = window_of(profile) if profile.period is not None else (float(x[0]), float(x[-1]))
@@ -257,8 +257,8 @@ def powers(profile: Profile, x: Array) -> Iterator[str]:
                 )
                 where = "left" if side < 0 else "right"
                 yield (
-                    f"algebraic point declared at {s:.6g}, {terms} on its {where}: the profile "
-                    f"differs by {ratio:.2g} of that"
+                    f"algebraic_points declares {terms} on the {where} of s = {s:.6g}, but the "
+                    f"profile differs from this by a fraction of {ratio:.2g}"
                 )
 
 
@@ -322,14 +322,14 @@ def _against_declared(
             s = places[i]
             if claimed[i]:
                 yield (
-                    f"jump declared at {s:.6g} of order {order}, {claimed[i]:.6g}: the profile "
-                    f"shows {height[i]:.6g}"
+                    f"jumps declares that derivative {order} jumps by {claimed[i]:.6g} at {s:.6g}, "
+                    f"but it jumps by {height[i]:.6g}"
                 )
             else:
                 row = f"[{s:.9g}, {order}, {height[i]:.6g}]"
                 yield (
-                    f"derivative {order} jumps by {height[i]:.6g} at {s:.9g}, and jumps does "
-                    f"not say so: {row}"
+                    f"derivative {order} jumps by {height[i]:.6g} at {s:.9g}: add the row {row} to "
+                    "jumps"
                 )
 
 

@@ -49,25 +49,23 @@ def require_elastic(operator: Operator, scale: float) -> None:
     repeats = None if period is None else period / unit
     if kernel.period != repeats:
         wanted = (
-            "that of the profile, since the model needs one"
+            "the profile's period divided by `unit`, since the model needs a period"
             if repeats
-            else "None, since the model needs none"
+            else "since the model needs no period"
         )
-        raise SceneError.of("interaction.kernel.period", kernel.period, f"{wanted}: {repeats}")
+        raise SceneError.of("interaction.kernel.period", kernel.period, f"{repeats}, {wanted}")
     if repeats is not None:
         here, there = _value(kernel, _LAGS), _value(kernel, _LAGS - repeats)
-        _require_same(here, there, "kernel", "does not repeat with the period")
+        _require_same(here, there, "value", "does not repeat with the period")
     other = _kernel(operator, 2 * unit)
-    what = (
-        "does not scale with the unit of length: lengths in it are those of the scene over `unit`"
-    )
-    _require_same(0.5 * _value(other, 0.5 * _LAGS), _value(kernel, _LAGS), "kernel", what)
+    what = "does not scale with the unit of length (divide every length in the kernel by `unit`)"
+    _require_same(0.5 * _value(other, 0.5 * _LAGS), _value(kernel, _LAGS), "value", what)
     datum = getattr(interaction, "datum", None)
     if period is None and datum is not None and abs(kernel.datum * unit / datum - 1) > 1e-9:
         raise SceneError.of(
             "interaction.datum",
             datum,
-            f"the length in the kernel's logarithm, {kernel.datum * unit:.6g} m",
+            f"the datum of the kernel times `unit`, {kernel.datum * unit:.6g} m",
         )
     if repeats is not None:
         _require_symbol(operator, kernel)
@@ -88,8 +86,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
     assert regular is not None
     if potential is None:
         what = (
-            "the smooth part of interaction.kernel has no potential, by which the gap is "
-            "known: give sie.Smooth both"
+            "the smooth part of interaction.kernel has no potential, from which the gap is "
+            "computed: give sie.Smooth both the value and the potential"
         )
         raise SceneError(what, "interaction")
     zero = np.zeros(1)
@@ -105,8 +103,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
             or not np.all(np.isfinite(table))
         ):
             got = (
-                f"the {name} of the smooth part of interaction.kernel for x (5, 1) and xi (2,) "
-                f"gives {shown(table)}"
+                f"for x of shape (5, 1) and xi of shape (2,), the {name} of the smooth part of "
+                f"interaction.kernel is {shown(table)}"
             )
             raise SceneError(
                 f"{got}: it must be real, finite and of the shape of x - xi", "interaction"
@@ -117,14 +115,14 @@ def _require_regular(kernel: sie.Kernel) -> None:
             function(x + _LAGS[1], xi + _LAGS[1]),
             table,
             f"smooth part's {name}",
-            "is not one of x - xi alone",
+            "does not depend on x - xi alone",
         )
     value, minus = regular(_LAGS, zero), regular(-_LAGS, zero)
     _require_same(
         -minus,
         value,
         "smooth part",
-        "is not odd in x - xi: what a load does elsewhere, one elsewhere does here",
+        "is not odd in x - xi, as an elastic body requires (reciprocal theorem)",
     )
     nodes, weights = np.polynomial.legendre.leggauss(5)
     # The rise of the potential over the distance 2 `half` is compared with the integral of the
@@ -136,7 +134,13 @@ def _require_regular(kernel: sie.Kernel) -> None:
     # `rise` is a difference of two potentials, so its round-off is relative to the size of the
     # potentials.
     size = ROUND_OFF * float(np.abs(potential(_LAGS, zero)).max())
-    _require_same(rise, within, "smooth part", "is not the derivative in x of its potential", size)
+    _require_same(
+        rise,
+        within,
+        "smooth part",
+        "is not the derivative of its potential with respect to x",
+        size,
+    )
 
 
 def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
@@ -158,18 +162,20 @@ def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
     if not np.all(found > 0):
         k = int(np.argmin(found))
         allowed = (
-            "one of an elastic body, of a symbol above 0: else pressure lifts the surface, "
-            "and no contact is the only one"
+            "a kernel whose symbol is above 0: otherwise pressure would not press the surface "
+            "down, and a load could have several contacts"
         )
         raise SceneError.of(
-            "interaction.kernel", f"of symbol {found[k]:.6g} at wave {k + 1} of the period", allowed
+            "interaction.kernel",
+            f"kernel with symbol {found[k]:.6g} at harmonic {k + 1} of the period",
+            allowed,
         )
     excess = operator.excess
     if excess is not None:
         declared = 1 + np.concatenate((excess, np.zeros(harmonics)))[:harmonics]
         if not np.allclose(declared, found, rtol=0, atol=1e-9 * np.arange(1, harmonics + 1)):
             k = int(np.argmax(np.abs(declared - found)))
-            wanted = f"that of the kernel at wave {k + 1} of the period, {found[k]:.9g}"
+            wanted = f"the kernel's symbol at harmonic {k + 1} of the period, {found[k]:.9g}"
             raise SceneError.of("interaction.symbol", float(declared[k]), wanted)
 
 
@@ -185,7 +191,7 @@ def _require_same(one: Array, other: Array, what: str, fault: str, rounding: flo
     difference, size = np.abs(np.asarray(one) - other), np.abs(np.asarray(other))
     if not np.all(difference <= CHECKS.same * size.max() + rounding):
         k = int(np.argmax(difference))
-        values = f"{np.ravel(one)[k]:.9g} against {np.ravel(other)[k]:.9g}"
+        values = f"{np.ravel(one)[k]:.9g} and {np.ravel(other)[k]:.9g} should be equal"
         raise SceneError(f"the {what} of interaction.kernel {fault}: {values}", "interaction")
 
 
@@ -196,8 +202,8 @@ def require_body(substrate: Substrate) -> None:
     again = checked(substrate.symbol, WAVES[::-1], "substrate")[::-1]
     if not np.allclose(again, values, rtol=1e-12, atol=0):
         raise SceneError(
-            "substrate.symbol(q) depends on the other waves of q: it must be taken element by "
-            "element",
+            "substrate.symbol(q) at one wavenumber depends on the other elements of q: compute it "
+            "element by element",
             "substrate",
         )
     _require_fast(values)
@@ -205,8 +211,9 @@ def require_body(substrate: Substrate) -> None:
         raise SceneError.of(
             "substrate.symbol(q)",
             float(values[-1]),
-            f"1 for short waves, as it is not at q = {WAVES[-1]:.0e} 1/m: what is solved is the "
-            "body's compliance over that of a half-plane of its own surface's modulus E_star",
+            f"1 for short waves, here at q = {WAVES[-1]:.0e} 1/m: the symbol is the body's "
+            "compliance divided by that of a half-plane with the modulus E_star of the body's "
+            "surface",
         )
     with of_author("substrate.compression", "substrate.compression"):
         compression: Any = substrate.compression
@@ -221,10 +228,9 @@ def require_body(substrate: Substrate) -> None:
             raise SceneError.of(
                 "substrate.compression",
                 None,
-                f"given, since the symbol vanishes for long waves (L = {long:.3g} at q = "
-                f"{wave:.0e} 1/m): "
-                "the body has a base, and the limit of L(q)/q is by how much a uniform pressure "
-                "compresses it",
+                f"given [m], since the symbol vanishes for long waves (L = {long:.3g} at q = "
+                f"{wave:.0e} 1/m), as for a body on a rigid base: give the limit of L(q)/q for "
+                "q to 0",
             )
         return
     # The body's `height` [m] from the base to the surface is about 1/q. Here q is the lowest tested
@@ -254,7 +260,7 @@ def _require_fast(values: Array) -> None:
         raise SceneError.of(
             "substrate.symbol(q)",
             float(values[k]),
-            f"1 for short waves as by exp(-q h), and not as q^{power:.2g}, as about q = "
-            f"{WAVES[k]:.3g} 1/m: a modulus that varies from the very surface on has no smooth "
-            "kernel; give it a uniform surface layer",
+            "1 for short waves, with a difference that falls like exp(-q h), not like "
+            f"q^{power:.2g} as near q = {WAVES[k]:.3g} 1/m: a modulus that varies right from the "
+            "surface has no smooth kernel; give the body a uniform surface layer",
         )

@@ -126,7 +126,8 @@ def check_profile(
                 break  # further checks would fail for the same reason
         if profile.slope_is_derived:
             notes.append(
-                "slope(x) is derived from the height: a closed form is faster and more accurate"
+                "slope(x) is computed from differences of heights: a formula is faster and more "
+                "accurate"
             )
     return _reported(
         Report(shown(profile), tuple(checked), tuple(faults), tuple(notes)),
@@ -173,15 +174,16 @@ def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
             faults.append(str(error))
         try:
             if substrate != copy.copy(substrate) or hash(substrate) != hash(copy.copy(substrate)):
-                faults.append("it does not equal its own copy: make it a frozen dataclass")
+                faults.append("it does not equal its own copy: make its class a frozen dataclass")
         except Exception as error:  # the author's code may fail in any way; the report says how
             faults.append(
-                f"it cannot be compared or hashed ({type(error).__name__}: {error}): make it a "
-                "frozen dataclass"
+                f"it cannot be compared or hashed ({type(error).__name__}: {error}): make its "
+                "class a frozen dataclass"
             )
         if not getattr(type(substrate), "name", ""):
             notes.append(
-                'it has no name: @contact.register_substrate("...") makes it known to scene files'
+                'it has no name: register its class by @contact.register_substrate("...") to use '
+                "it in scene files"
             )
     report = Report(
         shown(substrate), ("symbol", "compression", "copies"), tuple(faults), tuple(notes)
@@ -227,7 +229,10 @@ def _declarations(profile: Profile, x: Array) -> Iterator[str]:
                     f"{profile.x0 + period:g})"
                 )
     if not dataclasses.is_dataclass(profile) or not profile.__dataclass_params__.frozen:
-        yield "note: not a frozen dataclass: changed after a solve, it is not what was solved"
+        yield (
+            "note: the class is not a frozen dataclass: a profile that is changed after a solve no "
+            "longer belongs to the solution"
+        )
 
 
 def _values(profile: Profile, x: Array) -> Iterator[str]:
@@ -235,10 +240,11 @@ def _values(profile: Profile, x: Array) -> Iterator[str]:
         value = np.asarray(getattr(profile, name)(x.copy()))
         if value.shape != x.shape:
             yield (
-                f"{name}(x) of shape {x.shape} has shape {value.shape}: it must have the shape of x"
+                f"{name}(x) has shape {value.shape} for x of shape {x.shape}: it must have the "
+                "shape of x"
             )
         elif value.dtype.kind not in "fiu":
-            yield f"{name}(x) is of type {value.dtype}: it must be real"
+            yield f"{name}(x) has numbers of type {value.dtype}: they must be real"
         elif not np.isfinite(value).all():
             i = int(np.flatnonzero(~np.isfinite(value))[0])
             yield (
@@ -259,7 +265,7 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
         whole = np.asarray(function(given))
         size = float(np.max(np.abs(np.asarray(function(x.copy())))))
         if not np.array_equal(given, x[:6]):
-            yield f"{name}(x) changes the array it is given"
+            yield f"{name}(x) changes the array x: compute with a copy of x"
         # A slope derived from heights is a difference quotient, whose step depends on all given
         # points. So the slopes for fewer points may differ a little.
         tolerance = CHECKS.same * size
@@ -277,14 +283,14 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
                 yield f"{name}(x) for {what} has shape {got.shape}, not {np.shape(expected)}"
             elif np.any(np.abs(got - expected) > tolerance):
                 yield (
-                    f"{name}(x) for {what} differs from its values elsewhere: it must work by "
-                    "elements"
+                    f"{name}(x) for {what} differs from its values at the same points in a "
+                    "one-dimensional array: compute it element by element"
                 )
         for what, argument in (("a number", float(x[0])), ("a list", x[:6].tolist())):
             try:
                 function(argument)
             except Exception:
-                yield f"note: {name}(x) takes no {what[2:]}: np.asarray(x) lets it"
+                yield f"note: {name}(x) accepts no {what[2:]}: convert x by np.asarray(x)"
 
 
 def _periodicity(profile: Profile, x: Array) -> Iterator[str]:
@@ -301,8 +307,8 @@ def _periodicity(profile: Profile, x: Array) -> Iterator[str]:
             if difference.size and not np.max(difference) <= max(CHECKS.same * size, 0.0):
                 i = int(np.argmax(difference))
                 yield (
-                    f"{name} is not periodic: at {x[i]:.6g} and {turns} period(s) on it off by "
-                    f"{difference[i]:.3g}"
+                    f"{name} is not periodic: from x = {x[i]:.6g} to x plus {turns} period(s) it "
+                    f"changes by {difference[i]:.3g}"
                 )
                 break
 
@@ -315,8 +321,8 @@ def _slope(profile: Profile, x: Array) -> Iterator[str]:
     if judged.contradicted.any():
         i = int(np.argmax(np.where(judged.contradicted, judged.discrepancy, 0.0)))
         means = (
-            f"about x = {x[i]:.6g} its mean is {judged.claimed[i]:.9g}, and the height rises "
-            f"by {judged.seen[i]:.9g} a length"
+            f"near x = {x[i]:.6g} the mean of slope(x) is {judged.claimed[i]:.9g}, but the mean "
+            f"slope of the heights is {judged.seen[i]:.9g}"
         )
         yield f"slope disagrees with the height: {means}"
 
@@ -337,8 +343,7 @@ def _symmetry(profile: Profile, x: Array) -> Iterator[str]:
     if both.size == 0:
         if profile.symmetric and profile.extent is None and profile.support is None:
             yield (
-                "note: symmetric is claimed but the window has no point whose mirror image "
-                "lies in it"
+                "note: symmetric is True but was not checked: the window has no two points x and -x"
             )
         return
     right, left = np.asarray(profile.height(both)), np.asarray(profile.height(-both))
@@ -347,9 +352,9 @@ def _symmetry(profile: Profile, x: Array) -> Iterator[str]:
     if profile.symmetric and not even:
         i = int(np.argmax(np.abs(right - left)))
         at = f"{left[i]:.6g} at {-both[i]:.6g} and {right[i]:.6g} at {both[i]:.6g}"
-        yield f"symmetric is claimed, but the height is {at}"
+        yield f"symmetric is True, but the height is {at}"
     if even and not profile.symmetric and both.size > x.size // 2:
-        yield "note: the height looks symmetric; a property symmetric = True would halve the work"
+        yield "note: the height looks symmetric; set symmetric = True to halve the computing time"
 
 
 def _summits(profile: Profile, x: Array) -> Iterator[str]:
@@ -363,8 +368,8 @@ def _summits(profile: Profile, x: Array) -> Iterator[str]:
         lower = np.asarray(profile.height(tips + side)) < top - rounding
         if lower.any():
             yield (
-                f"summits names {tips[lower].tolist()}, but the height is smaller beside: tips "
-                "are minima"
+                f"summits has {tips[lower].tolist()}, but the height is smaller next to it: a "
+                "summit must be a minimum of the height"
             )
             return
 
@@ -392,8 +397,8 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     i = int(np.argmax(excess))
     if excess[i] > 0:
         yield (
-            f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, the slope's integral is "
-            f"{expected[i]:.6g}"
+            f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, but the Hilbert transform of the "
+            f"slope is {expected[i]:.6g}"
         )
 
 

@@ -349,7 +349,7 @@ class Profile(Named, sie.Kept):
     @property
     def no_period(self) -> str:
         """End of the error message if a period is needed and the profile has none."""
-        return f"the {self.name} profile has none"
+        return f"the {self.name} profile has no period"
 
     def counter_height(self, x: ArrayLike) -> Array:
         """Heights [m] of the counter-face at zero load, positive upwards, up to a constant.

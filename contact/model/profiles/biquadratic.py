@@ -60,7 +60,7 @@ class Biquadratic(Profile):
             raise SceneError.of(
                 "period",
                 self.period,
-                f"larger than the spacing {self.spacing!r}: both tips lie in a cell",
+                f"larger than the spacing {self.spacing!r}, so that one period holds both tips",
             )
 
     def height(self, x: ArrayLike) -> Array:

@@ -151,7 +151,7 @@ class Combined(Profile):
     def no_period(self) -> str:
         without = [place for place, body in self.bodies.items() if body.period is None]
         have = "has" if len(without) == 1 else "have"
-        return f"of profile and counter, {' and '.join(without)} {have} none"
+        return f"the {' and the '.join(without)} {have} no period"
 
     def counter_height(self, x: ArrayLike) -> Array:
         return np.asarray(-np.asarray(self.counter.height(self.facing(x)["counter"])))

@@ -60,7 +60,7 @@ class Fourier(Profile):
             raise SceneError.of(
                 "cosine, sine",
                 (self.cosine, self.sine),
-                "amplitudes of which at least one is not zero",
+                "amplitudes, at least one of them not zero",
             )
         both.setflags(write=False)
         for field, row in zip(("cosine", "sine"), both, strict=True):

@@ -112,8 +112,8 @@ class Overlap:
         extents = [one.window(one.body.extent) for one in placed if one.body.extent is not None]
         known = (max(lo for lo, _ in extents), min(hi for _, hi in extents)) if extents else None
         if known is not None and not known[0] < known[1]:
-            ends = ", ".join(f"{lo:.6g} to {hi:.6g}" for lo, hi in extents)
-            allowed = f"such that both bodies face each other (they are known from, to: {ends})"
+            ends = " and from ".join(f"{lo:.6g} to {hi:.6g}" for lo, hi in extents)
+            allowed = f"such that the known parts of the bodies overlap (they reach from {ends})"
             raise SceneError.of("shift", shift, allowed)
         if known is None and period is None:
             known = _cells_under_lone_body(placed)
@@ -121,10 +121,11 @@ class Overlap:
         if supports is None:
             return cls(None, known)
         if len(supports) != 1:
-            many = f"face each other on {len(supports)} stretches"
-            what = many if supports else "touch nowhere"
+            many = f"face each other on {len(supports)} intervals"
+            what = many if supports else "never face each other"
             allowed = (
-                f"such that corners bound one stretch (and one a period): the two bodies {what}"
+                f"such that corners bound one common interval (one in each period): the bodies "
+                f"{what}"
             )
             raise SceneError.of("counter", placed[1].body, allowed)
         (lo, hi) = supports[0]
@@ -133,8 +134,8 @@ class Overlap:
         if lo <= known[0] and known[1] <= hi:
             return cls(None, known)
         allowed = (
-            f"such that the corners at {lo:.6g} and {hi:.6g} both face what is known of the other "
-            f"body, {known[0]:.6g} to {known[1]:.6g}, or neither does"
+            f"such that the known part of the other body, {known[0]:.6g} to {known[1]:.6g}, "
+            f"contains both corners, {lo:.6g} and {hi:.6g}, or lies between them"
         )
         raise SceneError.of("shift", shift, allowed)
 
@@ -203,8 +204,8 @@ def _copies(
         return [first]
     if searched is None:
         allowed = (
-            "without a period of its own, or facing a body that ends: "
-            "corners without end bound no one stretch"
+            "such that corners bound one common interval: a periodic body with corners needs an "
+            "opposite body that has ends or a period"
         )
         raise SceneError.of("counter", placed[1].body, allowed)
     start, stop = searched
@@ -242,9 +243,12 @@ def common_period(one: float | None, other: float | None) -> float | None:
         else 1 / Fraction(other / one).limit_denominator(10)
     )
     length = one * ratio.denominator / ratio.numerator
-    example = f"{length!r} ({ratio.denominator} of the profile's on {ratio.numerator} of its own)"
+    example = (
+        f"{length!r} ({ratio.denominator} periods of the profile are then {ratio.numerator} of the "
+        "counter)"
+    )
     allowed = (
-        f"in a ratio of whole numbers, at most {most}, to the profile's {one!r}, "
-        f"so that both repeat together: such as {example}"
+        f"a fraction of whole numbers (at most {most}) times the profile's period {one!r}, "
+        f"so that the pair has a common period: such as {example}"
     )
     raise SceneError.of("counter.period", other, allowed)

@@ -49,7 +49,7 @@ class Polynomial(Profile):
             raise SceneError.of(
                 "coefficients",
                 self.coefficients,
-                "lowest power first, with one beyond the constant not zero",
+                "coefficients of ascending powers, at least one besides the constant not zero",
             )
         object.__setattr__(self, "coefficients", c)
         keep(self, positive_or_none, "period")
@@ -58,7 +58,10 @@ class Polynomial(Profile):
         half = self.period / 2
         step = polyval(half, c) - polyval(-half, c)
         if abs(step) > ROUND_OFF * float(polyval(half, np.abs(c) * (np.arange(c.size) > 0))):
-            allowed = f"of equal height at both borders of the period (they differ by {step:.3g})"
+            allowed = (
+                "such that the heights at both ends of the period agree (they differ by "
+                f"{step:.3g} m)"
+            )
             raise SceneError.of("coefficients", self.coefficients, allowed)
 
     def height(self, x: ArrayLike) -> Array:

@@ -66,10 +66,9 @@ class Power(Profile):
             raise SceneError.of(
                 "exponent",
                 self.exponent,
-                "at least 1: below, the tip is a cusp, infinitely steep, which small slopes "
-                "exclude; "
-                "round it off, as coefficient (x^2 + r^2)^(exponent/2) in a profile of your own "
-                "does",
+                "at least 1: below 1 the tip is infinitely steep, but the theory assumes small "
+                "slopes; round the tip in a profile of your own, such as "
+                "coefficient (x^2 + r^2)^(exponent/2)",
             )
         if self.period is not None:
             with np.errstate(all="ignore"):
@@ -78,7 +77,8 @@ class Power(Profile):
                 raise SceneError.of(
                     "coefficient",
                     self.coefficient,
-                    f"such that slopes are numbers (at the border they are {slope})",
+                    "such that the slope is above 0 and finite (near the end of a period it is "
+                    f"{slope})",
                 )
 
     def height(self, x: ArrayLike) -> Array:

@@ -226,13 +226,15 @@ class Sampled(Profile):
         heights = finite_array("height", metres("height", height), 1, MIN_POINTS)
         if heights.size != points.size:
             raise SceneError.of(
-                "height", height, f"as many as there are x ({points.size}, not {heights.size})"
+                "height",
+                height,
+                f"as many heights as positions x ({points.size}, not {heights.size})",
             )
         length = positive_or_none("period", metres("period", period))
         if length is not None:
             points, heights = _one_period(points, heights, length)
         if not np.ptp(heights) > 4 * EPS * np.max(np.abs(heights)):
-            raise SceneError.of("height", height, "not the same everywhere")
+            raise SceneError.of("height", height, "heights that are not all equal")
         for name, value in (
             ("x", points),
             ("heights", heights),
@@ -313,8 +315,8 @@ class Sampled(Profile):
     @property
     def no_period(self) -> str:
         return (
-            f"the {self.name} profile has none: period = true takes its length for one (taper "
-            "brings its ends to one height)"
+            f"the {self.name} profile has no period: give one, or read the trace with period = "
+            "true (its length) and taper (which brings both ends to the same height)"
         )
 
     @property
@@ -462,13 +464,13 @@ def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
         step = float(heights[-1] - heights[0])
         if abs(step) > OPTIONS.same * float(np.ptp(heights)):
             allowed = (
-                "equal at both ends if the last point is one period after the first (off "
-                f"by {step:.3g})"
+                "equal at both ends, as the last point is one period after the first (they differ "
+                f"by {step:.3g} m)"
             )
             raise SceneError.of("height", heights, allowed)
         x, heights = x[:-1], heights[:-1]
     elif length > period:
-        raise SceneError.of("period", period, f"at least as long as the points reach ({length!r})")
+        raise SceneError.of("period", period, f"at least the length of the trace, {length!r} m")
     if x.size < MIN_POINTS:
         raise SceneError.of("x", x, f"at least {MIN_POINTS} points in a period")
     return x, heights

@@ -85,14 +85,14 @@ def self_affine(
         raise SceneError.of(
             "shortest",
             shortest,
-            f"at least {length / _MAX_HARMONICS:.6g}: {_MAX_HARMONICS} waves to a period are the "
-            "most",
+            f"at least {length / _MAX_HARMONICS:.6g}, since a period may have at most "
+            f"{_MAX_HARMONICS} waves",
         )
     if last < first:
         raise SceneError.of(
             "shortest",
             shortest,
-            f"such that a whole part of the period is between it and longest = {most!r}",
+            f"such that period/n, for a whole number n, lies between it and longest = {most!r}",
         )
     k = np.arange(first, last + 1)
     phase = np.random.default_rng(number).uniform(0, 2 * pi, k.size)
@@ -110,7 +110,7 @@ def _wavelength(field: str, value: Any, least: float, period: float) -> float:
         raise SceneError.of(
             field,
             value,
-            f"a length from {f'shortest = {least!r}' if least else 'above 0'} to the period, "
-            f"{period!r}",
+            f"a length {f'of at least shortest = {least!r}' if least else 'above 0'} and at most "
+            f"the period, {period!r}",
         )
     return wave

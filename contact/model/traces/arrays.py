@@ -50,7 +50,9 @@ def source_of(given: Any) -> Source:
     if not isinstance(content, bytes):
         raise SceneError.of("file", given, "a file object whose read() returns text or bytes")
     if not content:
-        raise SceneError.of("file", given, "a file object that is not at its end (no rows left)")
+        raise SceneError.of(
+            "file", given, "a file object with rows left to read (this one is empty or at its end)"
+        )
     return Given(f"file object {name}", name, content, PurePath(path).suffix)
 
 
@@ -59,25 +61,27 @@ def positions_and_heights(given: Any, units: Any, pitch: Any) -> tuple[Array, Ar
     x, height = _pair(given, pitch)
     quantities = hasattr(height, "magnitude") or hasattr(x, "magnitude")
     if quantities and units is not None:
-        raise SceneError.of("units", units, "left out: the arrays have units of their own")
+        raise SceneError.of("units", units, "left out: the arrays carry their own units")
     if (
         quantities
         and pitch is None
         and not (hasattr(height, "magnitude") and hasattr(x, "magnitude"))
     ):
-        raise SceneError.of("z", height, "with a unit if x has one, or neither")
+        raise SceneError.of(
+            "z", height, "given with a unit if x has a unit, and without one if x has none"
+        )
     heights = _numbers("z", metres("z", height))
     if pitch is not None:
         positions = positive("pitch", pitch) * np.arange(heights.size, dtype=float)
     else:
         positions = _numbers("x", metres("x", x))
     if positions.size != heights.size:
-        allowed = f"as many heights as there are x ({positions.size}, not {heights.size})"
+        allowed = f"as many heights as positions x ({positions.size}, not {heights.size})"
         raise SceneError.of("z", height, allowed)
     if quantities:
         return positions, heights, "their units", True
     if units is None:
-        return positions, heights, '"m", no units being given', False
+        return positions, heights, '"m" (no units given)', False
     along, up = scales(units)
     along = along if pitch is None else 1.0
     return (
@@ -93,16 +97,16 @@ def _pair(given: Any, pitch: Any) -> tuple[Any, Any]:
     pair = isinstance(given, (tuple, list)) and any(np.ndim(_bare(part)) for part in given)
     if pair and len(given) == 2:
         if pitch is not None:
-            raise SceneError.of("pitch", pitch, "left out where positions are given")
+            raise SceneError.of("pitch", pitch, "left out, since positions are given")
         return given[0], given[1]
     if pair:
         what = "a pair (x, z), or heights alone with their pitch"
         raise SceneError.of("path_or_arrays", given, what)
     if hasattr(given, "columns") or np.ndim(_bare(given)) == 2:
-        columns = "(table[:, 0], table[:, 1]); of a data frame, (frame['x'], frame['z'])"
-        raise SceneError.of("path_or_arrays", given, f"a pair (x, z): of a table, write {columns}")
+        columns = "(table[:, 0], table[:, 1]); for a data frame, (frame['x'], frame['z'])"
+        raise SceneError.of("path_or_arrays", given, f"a pair (x, z): for a table, write {columns}")
     if pitch is None:
-        allowed = "a pair (x, z), or heights alone with pitch, their distance [m]"
+        allowed = "a pair (x, z), or heights with pitch, the distance [m] between points"
         raise SceneError.of("path_or_arrays", given, allowed)
     return None, given
 

@@ -103,12 +103,14 @@ def filled(
     if fill is None:
         first = int(np.flatnonzero(lost)[0])
         more = f" here and at {count - 1} more of {x.size} points" if count > 1 else ""
-        choices = 'fill = "linear" puts straight lines there, fill = "drop" leaves the points out'
-        raise at(path, lines[first], f"no finite height{more}; for missing ones {choices}")
+        choices = (
+            'use fill = "linear" for straight lines across gaps, or fill = "drop" to omit points'
+        )
+        raise at(path, lines[first], f"no finite height{more}; for missing heights {choices}")
     kept = np.flatnonzero(~lost)
     if kept.size < MIN_POINTS:
-        have = f"from here on {kept.size} of {x.size} points have a height"
-        raise at(path, lines[0], f"{have}, at least {MIN_POINTS} are needed")
+        have = f"only {kept.size} of the {x.size} points from here on have a height"
+        raise at(path, lines[0], f"{have}, but at least {MIN_POINTS} are needed")
     first, last = int(kept[0]), int(kept[-1])
     cut = x.size - (last + 1 - first)
     gaps = np.diff(kept) - 1
@@ -151,9 +153,12 @@ def marks(height: Array) -> str:
         apart = float(np.min(np.abs(others - value)))
         far = apart > _LIMITS.far * float(np.ptp(others)) > 0
         if far or _jumps_around(height, here):
-            often = f"stands {count} times" if count > 1 else "stands once"
-            what = f"the height {quantity(value, 'm')} {often}, far from all beside it"
-            return f"{what}: missing names what stands for no height"
+            often = f"occurs {count} times" if count > 1 else "occurs once"
+            what = f"the height {quantity(value, 'm')} {often}, far from the heights next to it"
+            return (
+                f"{what}: if it marks missing heights, set missing to this mark (text files), or "
+                "replace it by nan"
+            )
     return ""
 
 
@@ -188,10 +193,13 @@ def spikes(x: Array, height: Array) -> str:
         return ""
     i = int(np.argmax(distances))
     point = f"the height {quantity(height[i], 'm')} at x = {quantity(x[i], 'm')}"
-    others = f" and {int(far.sum()) - 1} more" if far.sum() > 1 else ""
-    distance = f"{quantity(float(distances[i]), 'm')} off its neighbours"
-    span = f"where the rest spans {quantity(rest, 'm')}"
-    return f"{point}{others} is {distance}, {span}: a spike? missing takes a value for no height"
+    others = f" (and {int(far.sum()) - 1} more)" if far.sum() > 1 else ""
+    distance = f"differs by {quantity(float(distances[i]), 'm')} from its neighbours"
+    span = f"while the other heights span {quantity(rest, 'm')}"
+    return (
+        f"{point}{others} {distance}, {span}: is it a spike? If it marks a missing height, set "
+        "missing to this mark (text files), or replace it by nan"
+    )
 
 
 def in_order(
@@ -205,36 +213,39 @@ def in_order(
         raise at(
             path,
             lines[int(np.flatnonzero(~np.isfinite(x))[0])],
-            "the position is not finite: cut such rows",
+            "the position is not finite: delete such points",
         )
     if not np.ptp(x) > 0:
         raise at(
-            path, lines[0], f"all positions are {x[0]:g} m: columns says which column holds them"
+            path,
+            lines[0],
+            f"all positions are {x[0]:g} m: if another column of a text file has them, use columns",
         )
     steps = np.diff(x)
     back = np.flatnonzero(steps < 0)
     if not back.size:
         return x, height, lines, ""
     if np.all(steps <= 0):
-        return x[::-1], height[::-1], lines[::-1], "positions descend: turned round"
+        return x[::-1], height[::-1], lines[::-1], "positions descend: order reversed"
     if sort:
         order = np.argsort(x, kind="stable")
         return (
             x[order],
             height[order],
             lines[order],
-            f"sorted by position, {back.size} steps having gone back",
+            f"sorted by position ({back.size} steps went back)",
         )
     i = back[0]
     rising = height[np.isfinite(height)]
     swapped = np.all(np.diff(rising) > 0) or np.all(np.diff(rising) < 0)
     other = (
-        "; the heights do throughout: if the columns are the other way round, columns says so, "
-        "as columns = [1, 0]"
+        "; the heights do: if positions and heights are exchanged, exchange them, in a text file "
+        "by columns = [1, 0]"
         if swapped
         else ""
     )
     what = (
-        f"positions must increase or decrease throughout, {x[i + 1]:g} m follows {x[i]:g} m{other}"
+        f"positions must increase or decrease throughout, but {x[i + 1]:g} m follows "
+        f"{x[i]:g} m{other}"
     )
-    raise at(path, lines[i + 1], what if other else f"{what}; sort = true sorts them")
+    raise at(path, lines[i + 1], what if other else f"{what}; use sort = true to sort them")

@@ -127,7 +127,7 @@ def read_table(
     if wanted == 1:
         _refuse_lost_lines(path, lines)
     if len(values) < MIN_POINTS:
-        least = f"only {len(values)} rows of numbers, at least {MIN_POINTS} are needed"
+        least = f"only {len(values)} rows of numbers, but at least {MIN_POINTS} are needed"
         raise at(path, lines[-1], least)
     header = _header(data)
     counts = not given and wanted == 2 and header.line == 0 and _counts(data, values)
@@ -147,7 +147,7 @@ def in_metres(path: Source, table: Table, units: Any) -> tuple[Array, str]:
         given = (along,) * (count - 1) + (up,)
         for unit, scale in zip(said, given, strict=True):
             if unit is not None and unit.scale is not None and unit.scale != scale:
-                allowed = f"left out or {written(both)}, as {place} says (or the header put right)"
+                allowed = f"left out or {written(both)}, as {place} says (or correct the header)"
                 if unit.why_not:
                     allowed = f"left out: {place} says {unit.why_not}: convert the numbers"
                 raise SceneError.of("units", units, allowed)
@@ -156,23 +156,23 @@ def in_metres(path: Source, table: Table, units: Any) -> tuple[Array, str]:
         if unit is not None and unit.why_not:
             raise SceneError(f"units must be given: {place} says {unit.why_not}", "units")
     if None in said and any(said):
-        what = f"{place} says them of one column only, {written(both)}"
+        what = f"{place} gives no unit for some columns, {written(both)}"
         raise SceneError(f"units must be given: {what}", "units")
     if table.header.remark is not None and not any(said):
         line, word = table.header.remark
-        what = f"line {line} of the file {shown(str(path))} speaks of {word!r}, but of no column"
-        raise SceneError(f"units must be given: {what}; m if they are metres", "units")
-    source = "the header's units" if any(said) else "no units being given"
+        what = f"line {line} of the file {shown(str(path))} mentions {word!r}, but for no column"
+        raise SceneError(f"units must be given: {what} (give m if the numbers are metres)", "units")
+    source = "(the header's units)" if any(said) else "(no units given)"
     metre = Unit("m", 1.0)
     known = [unit or metre for unit in said]
     lengths = np.array([unit.scale for unit in known], dtype=float)
-    return table.values * lengths, f"{written([unit.word for unit in known])}, {source}"
+    return table.values * lengths, f"{written([unit.word for unit in known])} {source}"
 
 
 def _columns(columns: Any, wanted: int) -> tuple[int | str, ...]:
     """The columns that the user gives, after a check; empty if the user gives none."""
     allowed = {
-        1: "with a pitch one column, of heights: [1], or a name",
+        1: "one column of heights, such as [1] or a name in a list, since pitch is given",
         2: "two different column indices (from 0) or names",
         3: "the three columns of x, y and z of a map: indices (from 0) or names",
     }[wanted]
@@ -223,9 +223,9 @@ def _find(
             return min(found, key=lambda f: f.first)
     asked = f"columns {shown(list(wanted))}"
     if not named:
-        raise at(path, 0, f"no header row with the names in {asked}{_no_names(rows, layouts)}")
+        raise at(path, 0, f"no header row has the names in {asked}{_no_names(rows, layouts)}")
     why = _why_none(path, rows, wanted, layouts)
-    raise at(path, 0, f"no two rows of numbers in a run in {asked}{why}")
+    raise at(path, 0, f"no two successive rows have numbers in {asked}{why}")
 
 
 def _named(rows: list[Row], layout: Layout, names: list[str]) -> tuple[int | None, list[str]]:
@@ -288,26 +288,26 @@ def _why_none(
     """Advice for the error message if a file has no two rows of numbers in the wanted columns."""
     refuse_sideways(path, rows, layouts)
     if any(_GROUPED.search(line) for _, line in rows):
-        return ": numbers with separators of thousands are not read, write them without"
+        return ": numbers with thousands separators cannot be read; remove the separators"
     if all(layout.decimal == "," for layout in layouts) and any(
         layout.delimiter == "," for layout in layouts
     ):
         return (
-            ": commas between columns and in numbers are told apart only where every number has "
-            "decimals; write ; between columns"
+            ": if commas separate both columns and decimals, every number must have decimals; "
+            "use ; between columns"
         )
     widths = [len(data[1]) for data in _tables(rows, layouts)]
     if len(wanted) == 2 and (wanted == (0, 1) or not widths) and _tables(rows, layouts, (0,)):
         return (
-            ": a column of heights alone needs pitch, their distance [m]; of more columns, columns "
-            "says which (the first is 0)"
+            ": if the only column has heights, give pitch, the distance [m] between points; if "
+            "there are more columns, use columns to choose them (the first is 0)"
         )
     width = max(widths, default=0)
     lacking = [column for column in wanted if isinstance(column, int) and column >= width > 0]
     if lacking:
-        of_map = "; line is for a map of x, y and z only" if len(wanted) == 3 else ""
-        return f": column {lacking[0]} is not there, the last of the {width} is {width - 1}{of_map}"
-    return ": columns says in which they are"
+        of_map = "; line is only for a map of x, y and z" if len(wanted) == 3 else ""
+        return f": there is no column {lacking[0]}, only columns 0 to {width - 1}{of_map}"
+    return ": if other columns have the numbers, use columns to choose them"
 
 
 def _tables(
@@ -371,9 +371,9 @@ def _numbers(data: Data, i: int, missing: Any) -> list[float]:
         return [*rest, nan]
     hint = ""
     if _GROUPED.search(text):
-        hint = " (separators of thousands are not read)"
+        hint = " (remove the thousands separators)"
     elif rest is not None and last < len(cells):
-        hint = f"; if {shown(cells[last])} stands for no height, missing says so"
+        hint = f"; if it marks a missing height, use missing = {shown(cells[last])}"
     what = "two numbers in columns" if len(data.places) == 2 else "number in column"
     raise at(data.path, line, f"no {what} {list(data.places)}: {shown(text.strip())}{hint}")
 
@@ -386,8 +386,8 @@ def _refuse_lost_lines(path: Source, lines: NDArray[np.int64]) -> None:
     """
     wide = np.flatnonzero(np.diff(lines) != np.min(np.diff(lines), initial=1 << 60))
     if wide.size:
-        what = "an empty line, or a comment, among heights that follow one another at a pitch"
-        cure = "take it out, or write nan if a height is missing there"
+        what = "an empty line or a comment between heights, which have a pitch but no positions"
+        cure = "delete it, or write nan if a height is missing there"
         raise at(path, lines[wide[0]] + 1, f"{what}: {cure}")
 
 
