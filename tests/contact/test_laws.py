@@ -102,7 +102,7 @@ def test_scenes_that_the_law_does_not_allow_are_refused_before_any_arithmetic():
             load=0.1,
             tilt=0.01,
         )
-    with pytest.raises(contact.SceneError, match="a path under others"):
+    with pytest.raises(contact.SceneError, match="no path is computed under other laws"):
         contact.path(replace(SCENE, law=Glued()), [0.01, 0.02])
 
 
