@@ -40,8 +40,8 @@ def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
         raise SceneError.of(
             "contact_fraction",
             fraction,
-            "below 1 where the pressure reaches its limit; the event 'full' of contact.path has "
-            "the load at which the last gap closes",
+            "below 1 if the pressure reaches the limit of the law; use the event 'full' of "
+            "contact.path for the load at which the last gap closes",
         )
     of, goal = (half_width, half) if half is not None else (contact_fraction, fraction)
     assert goal is not None
@@ -53,7 +53,7 @@ def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
 
     def solve(load: float, nearest: Solution | None) -> Solution:
         if load >= bearing:
-            raise OutOfRange("no contact of this width bears such a load")
+            raise OutOfRange("no contact of this width carries so large a load")
         try:
             return context.solve_scene(scene.under("load", load), tolerance, nearest or start)
         except NotConverged as failure:
@@ -84,11 +84,11 @@ def at_width(context: SolveContext, solve_again: SolveAgain) -> SolvedZones:
     alone = half is None or best is None or len(best.zones) == 1 and half_width(best)[0] > 0.0
     if best is None or not alone:
         what = "one contact about x = 0" if half is not None else "a contact"
-        raise OutOfRange(f"no load has {what} of the {name} {given:.15g}")
+        raise OutOfRange(f"no load gives {what} with {name} = {given:.15g}")
     found = solve_again(context, best) if isinstance(best.fields, PlasticFields) else None
     if not isinstance(found, SolvedZones):
-        raise NotConverged(f"not converged: no load was found of the {name} {given:.15g}", (), best)
-    because = "the width of contact grows with the load"
+        raise NotConverged(f"not converged: no load with {name} = {given:.15g} was found", (), best)
+    because = "the contact width grows with the load"
     context.plan.decide("control", "a load search", because)
     return _with_error_of_load(found, error)
 

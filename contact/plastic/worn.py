@@ -108,16 +108,16 @@ def worn(solution: Solution) -> Profile:
         return profile
     if profile.support is not None:
         raise SceneError(
-            "a body with sharp corners has yielded at them: what is left is no profile with such "
-            "corners, and is not given",
+            "the body has yielded at its sharp corners: Solution.worn() cannot represent the "
+            "profile that remains; use a profile without sharp corners",
             "profile",
             profile,
         )
     if fields.density.zones.depth.any():
         raise SceneError(
-            "the pressure falls from the hardness to zero over less than is resolved, and there "
-            "the slope of what is left rises like a logarithm: it is not given for so steep a "
-            "profile",
+            "the pressure falls from the hardness to zero over a length that is not resolved, and "
+            "the slope of the remaining profile rises there like a logarithm: Solution.worn() "
+            "cannot represent it; use a less steep profile",
             "profile",
             profile,
         )

@@ -31,12 +31,12 @@ from sie import Array, Mask
 # tested.
 _DISTANCES = 10.0 ** np.arange(5, 13)
 _UPWARDS = (
-    "height(x) is the gap without load, which grows away from contact (of a body that points "
-    "upwards it is minus the height)"
+    "height(x) is the gap at zero load and must grow away from the contact (change the sign of "
+    "heights that are measured upwards)"
 )
 _REMEDY = (
-    "no load finds a hold. Give a tilt below its slopes, a part that rises on both sides, "
-    "or a period, of which one cell stands alone"
+    "no load has an equilibrium. Give a profile that, turned by its tilt, rises on both sides, or "
+    "a profile with a period, of which the isolated body is one period"
 )
 
 
@@ -54,17 +54,17 @@ def refuse_below_plateau(scene: Scene) -> None:
             and fraction * profile.period <= width + TOLERANCES.rounding * profile.period
         ):
             raise OutOfRange(
-                f"contact_fraction {fraction:.15g} is not above {width / profile.period:.15g}: the "
-                f"lowest part of the profile is flat over {width:.6g} m of each period, and any "
-                "load has all of it in contact; ask for more, or give a load"
+                f"contact_fraction = {fraction:.15g} is not above {width / profile.period:.15g}: "
+                f"the lowest part of the profile, flat over {width:.6g} m of each period, is in "
+                "contact under any load; give a larger fraction, or give a load"
             )
     if half_width is not None:
         reach = _level_from(profile, half_width)
         if reach > 0.0:
             raise OutOfRange(
-                f"half_width {half_width:.15g} m is not above {reach:.15g} m: so far the profile "
-                "is flat about x = 0, and any load has all of that in contact; ask for more, or "
-                "give a load"
+                f"half_width = {half_width:.15g} m is not above {reach:.15g} m: up to this "
+                "distance from x = 0 the profile is flat, and it is in contact under any load; "
+                "give a larger half width, or give a load"
             )
 
 
@@ -76,8 +76,8 @@ def refuse_beyond_corners(scene: Scene) -> None:
     most = (support[1] - support[0]) / period
     if fraction > most * (1.0 + TOLERANCES.rounding):
         raise OutOfRange(
-            f"contact_fraction {fraction:.15g} is above {most:.15g}: the body has sharp corners "
-            "there and no load makes its contact wider; ask for less"
+            f"contact_fraction = {fraction:.15g} is above {most:.15g}: no load makes the contact "
+            "wider than the body between its sharp corners; give a smaller fraction"
         )
 
 
@@ -181,8 +181,8 @@ def _refuse_as_it_stands(right: Array, left: Array, tilt: float) -> None:
             )
         if tilt and np.all(np.abs(slope) <= TOLERANCES.rounding * abs(tilt)):
             raise OutOfRange(
-                f"the profile{turned} stands on its own flank on the {side} and does not rise "
-                f"there: {_REMEDY}"
+                f"the profile{turned} does not rise on the {side}, as the tilt equals the slope "
+                f"of this flank: {_REMEDY}"
             )
 
 

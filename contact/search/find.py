@@ -93,7 +93,7 @@ def _at_known_tilt(context: SolveContext, refused: Failure | None) -> Outcome | 
         or scene.held(Quantity.APPROACH) is not None
     ):
         return NOT_APPLICABLE
-    context.plan.decide("first guess", "the warm start", "a similar solution knows the tilt")
+    context.plan.decide("first guess", "the warm start", "a similar solution gives the tilt")
     scaled = scaled_scene_about(scene, start.tilt or 0.0, start.zones)
     table = placed(scaled.problem, start.zones)
     return context.refine_topology(scaled.problem, scaled.control, table)
@@ -131,15 +131,15 @@ def _by_loads(context: SolveContext, refused: Failure | None) -> Outcome | Failu
         return _under_loads(context)
     if refused is None:
         return NOT_APPLICABLE
-    context.plan.decide("control", "loads", "the approach itself led to no contact")
+    context.plan.decide("control", "loads", "no contact was found under the approach itself")
     return attempted(lambda: _under_loads(context))
 
 
 STRATEGIES = (
     ("full contact", _full_contact),
-    ("the last zones, carried on", _from_previous_zones),
-    ("zones near by, at their tilt", _at_known_tilt),
-    ("the control itself", _as_given),
+    ("zones extrapolated from the last ones", _from_previous_zones),
+    ("zones and tilt of a similar solution", _at_known_tilt),
+    ("the given control itself", _as_given),
     ("loads", _by_loads),
 )
 
@@ -190,6 +190,6 @@ def _under_loads(context: SolveContext) -> Outcome:
     outcome = attempted(lambda: _of_scaled(context, scaled))
     if not isinstance(outcome, Failure):
         return outcome
-    context.record_failure("zones under a load of about this approach", outcome)
+    context.record_failure("zones under a load with about this approach", outcome)
     context = context.with_warm_start(at_approach(context, SEARCH.intermediate))
     return _of_scaled(context, scaled)

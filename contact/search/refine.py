@@ -41,7 +41,8 @@ def refined(context: SolveContext, found: Outcome, search: Search | None = None)
     other: Outcome | Failure = attempted(lambda: _refined_once(afresh, search(afresh), search))
     if isinstance(other, Failure):
         context.record_failure(
-            "a search from nothing, as from others the error is above the tolerance", other
+            "a search without similar solutions, as with them the error is above the tolerance",
+            other,
         )
     elif isinstance(other, Full) or other.error < outcome.error:
         return other
@@ -50,7 +51,7 @@ def refined(context: SolveContext, found: Outcome, search: Search | None = None)
 
 
 def _no_search(context: SolveContext) -> Outcome:
-    raise NotConverged("only the contact that was followed is meant, and no other search for it")
+    raise NotConverged("a contact that is followed along a path is not searched for again")
 
 
 def _refined_once(context: SolveContext, found: Outcome, search: Search) -> Outcome:
@@ -82,7 +83,7 @@ def _by_zones(context: SolveContext, found: SolvedGaps) -> SolvedZones | SolvedG
     )
     if not (isinstance(other, SolvedZones) and other.error < found.error):
         return found
-    because = "the stated error by the gaps is {}"
+    because = "with gaps as the unknowns, the stated error is {}"
     context.plan.decide("unknowns", "zones", because, found.error, context.tol)
     return other
 
@@ -104,7 +105,7 @@ def _tightened(
 
         better: Outcome | Failure = attempted(solved)
         if isinstance(better, Full):
-            return Failure("full contact, as the whole search says")
+            return Failure("the search with a smaller tolerance found full contact")
         return better
 
     def cannot_improve(here: SolvedZones | SolvedGaps, tolerance: float) -> bool:

@@ -18,32 +18,32 @@ def require_similar(scene: Scene) -> None:
     law, model, body = scene.law, scene.interaction, scene.substrate
     if not isinstance(law, Frictionless):
         raise SceneError(
-            f"law = {law.name}: shear is known from pressures without adhesion, and for bodies "
-            "whose shear does not change the pressure (beta = 0): leave the law out",
+            f"law = {law.name}: shear is computed only without adhesion and yielding, and only if "
+            "it does not change the pressure (Dundurs' constant beta = 0): leave the law out",
             "law",
         )
     if model.strip:
         raise SceneError(
             f"interaction = {model.name}: the nominal pressure of a localized model has no "
-            "counterpart in the shear: take contact.Periodic() or contact.Isolated()",
+            "counterpart in the shear: use contact.Periodic() or contact.Isolated()",
             "interaction",
         )
     if scene.operator.is_own or scene.operator.own_columns:
         raise SceneError(
-            f"interaction = {model.name}: its kernel is that of the pressure, and that of the "
-            "shear is not known",
+            f"interaction = {model.name}: it defines the kernel of the pressure, and the kernel of "
+            "the shear is unknown: use contact.Periodic() or contact.Isolated()",
             "interaction",
         )
     if not scene.operator.is_plain:
         raise SceneError(
-            f"substrate = {body.name}: a {body.name} yields to shear by another kernel than to "
-            "pressure: take contact.HalfPlane()",
+            f"substrate = {body.name}: shear and pressure displace this body by different "
+            "kernels: use contact.HalfPlane()",
             "substrate",
         )
     if scene.moment is not None and scene.turned:
         raise SceneError(
-            "moment: a body that turns freely has another tilt under each load, so that what "
-            "sticks need not lie within the contact: give a tilt",
+            "moment: a body that turns freely has another tilt under each load, so that its stick "
+            "zones may lie outside the contact: give a tilt",
             "moment",
         )
 
@@ -62,7 +62,8 @@ def tangential_load_of(value: object, friction: float, load: float) -> float:
         raise SceneError.of(
             "tangential_load",
             value,
-            f"at most friction * load = {most:.17g} in size: beyond it the whole contact slides",
+            f"at most friction * load = {most:.17g} in absolute value: above it the whole contact "
+            "slides",
         )
     return max(-most, min(number, most))
 
@@ -79,8 +80,8 @@ def bulk_stress_of(value: object, scene: Scene, tangential_load: float) -> float
         raise SceneError.of(
             "bulk_stress",
             value,
-            "0 in periodic contact: a strain of one body against the other grows from period to "
-            "period, so that nothing sticks",
+            "0 in periodic contact: a bulk stress stretches one body more than the other, by a "
+            "length that grows from period to period, so that nothing sticks",
         )
     if tangential_load == 0.0:
         raise _two_signs(value)
@@ -91,8 +92,8 @@ def _two_signs(value: object) -> SceneError:
     return SceneError.of(
         "bulk_stress",
         value,
-        "so small beside the tangential load that the zones that stick lie within the contact: "
-        "otherwise the ends slip in opposite directions, which no contact without friction has",
+        "so small relative to the tangential load that the stick zones lie within the contact: "
+        "otherwise the two ends slip in opposite directions, a case that is not solved",
     )
 
 

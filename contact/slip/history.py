@@ -82,7 +82,7 @@ def _contacts(scene: Scene, loads: list[float], tol: float) -> dict[float, Solut
 
 def _checked(history: object, friction: float) -> list[tuple[float, float]]:
     """The points of a history; SceneError names the first one that is not valid."""
-    allowed = "a list of (load, tangential load) with at least one point"
+    allowed = "a list of at least one pair (load, tangential load)"
     if isinstance(history, str) or not isinstance(history, Sequence | np.ndarray):
         raise SceneError.of("history", history, allowed)
     if len(history) == 0 or any(np.shape(point) != (2,) for point in history):

@@ -161,7 +161,7 @@ def slip_of(contacts: Mapping[float, Solution], state: State, tol: float) -> Sli
     own = max(shear_error(solution, smaller, state.friction), ends)
     if own > tol and any(term.error > tol for term in smaller):
         raise NotConverged(
-            f"the stated error {own:.2g} by contacts under smaller loads is above the tolerance "
+            f"the stated error {own:.2g} from contacts under smaller loads is above the tolerance "
             f"{tol:.2g}",
             (),
             solution,

@@ -133,7 +133,7 @@ def rolling(
         raise SceneError.of(
             "tangential_load and creepage",
             (tangential_load, creepage),
-            "one of them: the other is part of the solution",
+            "a pair with only one of them given: the other is part of the solution",
         )
     asked = Rolling(solution, mu, leading == "right", tol)
     if creepage is None:
@@ -148,7 +148,7 @@ def _require_wheel(solution: Solution) -> None:
     if solution.scene.period is not None:
         raise SceneError(
             "interaction: a periodic profile that rolls does not keep its shape in the frame of "
-            "the contact, so that nothing is steady: take contact.Isolated()",
+            "the contact, so that its rolling is not steady: use contact.Isolated()",
             "interaction",
         )
     if profile.support is not None and len(zones):
@@ -156,8 +156,8 @@ def _require_wheel(solution: Solution) -> None:
         near = 8 * np.spacing(max(abs(lo), abs(hi)))
         if zones[0, 0] <= lo + near or zones[-1, 1] >= hi - near:
             raise SceneError(
-                "profile: a sharp corner in contact has no leading edge to roll over: take a "
-                "profile whose contact ends smoothly",
+                "profile: a body cannot roll steadily over a sharp corner at the end of its "
+                "contact: use a profile whose contact ends smoothly",
                 "profile",
             )
 
@@ -247,7 +247,7 @@ class Rolling:
             if part == 1.0:
                 return self._finished(equation, free, widths)
             done, part = part, 1.0
-        raise NotConverged("not converged: the zones that stick were not found", (), self.solution)
+        raise NotConverged("not converged: the stick zones were not found", (), self.solution)
 
     def _equation(self, condition: sie.Condition) -> sie.Equation:
         """Scaled integral equation of q'/mu on the stick zones, with the unknown amplitude theta.
@@ -314,7 +314,7 @@ class Rolling:
             # So `error.best` may suffice: `_slip` checks its error.
             if error.best is None:
                 raise NotConverged(
-                    f"not converged: the zones that stick: {error.reason}", (), self.solution
+                    f"not converged: the stick zones: {error.reason}", (), self.solution
                 ) from error
             found = error.best
         sticks = found.zones.table
@@ -326,8 +326,8 @@ class Rolling:
         wrong = self._slips_wrongly(found.density, float(found.amplitudes[0]), widths)
         if (part < -margin).any() or (part > 2 * pressure + margin).any() or wrong.any():
             raise SceneError(
-                "profile: a zone of contact would stick in several places, or not at its leading "
-                "edge alone, which is not solved: take a smoother profile, or another load",
+                "profile: a contact zone would stick in several places, or away from its leading "
+                "edge; this case is not solved: use a smoother profile, or another load",
                 "profile",
             )
         return found
@@ -361,7 +361,7 @@ class Rolling:
         own = found.error * max(size / peak, min(width, 1.0))
         if own > self.tol:
             raise NotConverged(
-                f"the stated error {own:.2g} of the zones that stick is above the tolerance "
+                f"the stated error {own:.2g} of the stick zones is above the tolerance "
                 f"{self.tol:.2g}",
                 (),
                 solution,

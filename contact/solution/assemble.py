@@ -52,7 +52,7 @@ def zone_solution(
     zones = density.zones
     plan["symmetry"].used = zones.symmetric
     if not zones.symmetric and scene.profile.symmetric and not scene.law.kappa:
-        plan["symmetry"].reason = "the zones straddle the border of the cell"
+        plan["symmetry"].reason = "the zones are not computed as mirror images of each other"
     plan["zone ends"].detail = ", ".join(
         (counted(len(found.free.trace), "Newton step"), counted(found.rounds, "round"))
     )
@@ -184,12 +184,12 @@ def _full_contact_note(scene: Scene, least: float, unresolved: int) -> str:
     if least >= 0.0 or not scene.law.pressure_range.has_tension:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:
-        return "full contact, under tension in places: nowhere above what the surfaces pull with"
+        return "full contact, under tension in places: nowhere above the tension of the law"
     # A flaw is a place where the surfaces are open. Under the tension s = -`least`, a flaw of half
     # width c opens further if s sqrt(c/2) reaches the law's `intensity`. `flaw` is the smallest c.
     flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
-    message = "full contact, under tension in places: what is closed stays closed"
-    return f"{message}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
+    message = "full contact, under tension in places: closed surfaces stay closed"
+    return f"{message}; a flaw of half width {quantity(flaw, 'm', 3)} would open there"
 
 
 def period_problem(scene: Scene) -> Problem:
@@ -228,7 +228,7 @@ def profile_fault(scene: Scene, zones: Array | None = None) -> str:
         faults = require("contact.testing").check_profile(profile, window, raises=False).faults
         if faults:
             return (
-                f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}"
+                f"; the profile contradicts itself (see contact.testing.check_profile): {faults[0]}"
             )
     return ""
 
@@ -245,7 +245,7 @@ def _record_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
     sizes = state.sizes
     if sizes.iterations:
         sums = plan["fast sums"]
-        sums.used, sums.reason = True, "many unknowns: sums by trees, GMRES for the matrix"
+        sums.used, sums.reason = True, "many unknowns: sums by trees, linear systems by GMRES"
         sums.detail = counted(sizes.iterations, "iteration")
     plan.counts.update(
         zones=zones,

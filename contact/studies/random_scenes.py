@@ -236,7 +236,7 @@ def _reason(error: contact.ContactError) -> str:
         "positive everywhere",
         "datum",
         "isolated reference",
-        "ever more often",
+        "too many places",
         "fill the period",
         "vanished",
         "has no solution",

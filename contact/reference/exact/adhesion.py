@@ -69,7 +69,7 @@ class AdhesiveZone(SymmetricZone):
     def _check_zone(self) -> None:
         if not isinstance(self.zone, IsolatedZone | PeriodicZone):
             raise SceneError.of(
-                "zone", self.zone, "a frictionless solution of one zone with free ends"
+                "zone", self.zone, "an exact frictionless contact with one zone and free ends"
             )
 
     def _height(self, r: Array) -> Array:
@@ -182,7 +182,9 @@ class Equilibria(Generic[State]):
             return load
         if not (isfinite(machine_compliance) and machine_compliance >= 0.0):
             raise SceneError.of(
-                "machine_compliance", machine_compliance, "a number >= 0, or inf for a held load"
+                "machine_compliance",
+                machine_compliance,
+                "a number >= 0, or inf for a prescribed load",
             )
         return approach + machine_compliance * load
 

@@ -53,7 +53,7 @@ def with_datum(what: str, value: float | None) -> float:
     """
     if value is None:
         raise SceneError.of(
-            "datum", None, f"a length > 0 where {what} of an isolated zone is asked for"
+            "datum", None, f"a length > 0, as {what} of an isolated zone depends on it"
         )
     return value
 
@@ -173,7 +173,7 @@ class PressedBody(ExactContact):
         It has zero mean over a period. Without a period it has the far field ln|x/d| with the
         datum d.
         """
-        return with_datum("u", self.approach) - self.height(x) + self.gap(x)
+        return with_datum("the displacement", self.approach) - self.height(x) + self.gap(x)
 
 
 class SymmetricZone(PressedBody):

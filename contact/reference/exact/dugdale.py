@@ -322,8 +322,8 @@ class MetDugdaleZone(_DugdaleState):
         positive("work", self.work)
         if self.work < self.stress * self.end_gap * (1.0 - 1e-12):
             raise OutOfRange(
-                f"work = {self.work:.6g} J/m^2 is out of range: cohesive intervals meet from "
-                f"{self.stress * self.end_gap:.6g} J/m^2 on"
+                f"work = {self.work:.6g} J/m^2 is out of range: the cohesive intervals meet only "
+                f"if it is at least {self.stress * self.end_gap:.6g} J/m^2"
             )
 
     @property

@@ -45,7 +45,7 @@ class _Punch(SymmetricZone):
     def displacement(self, x: ArrayLike) -> Array:
         """Displacement u(x) [m]: equal to the approach in contact, smaller outside."""
         e = np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0)
-        return with_datum("u", self.approach) - self._depth(e)
+        return with_datum("the displacement", self.approach) - self._depth(e)
 
     def _approach_by_parts(self) -> float:
         return 0.0

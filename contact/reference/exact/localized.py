@@ -176,7 +176,8 @@ class LocalizedZone(SymmetricZone):
             )
         if float(self.load_rate(np.array(self.half_width))) < 0.0:
             raise OutOfRange(
-                f"half_width = {self.half_width:.6g} m is out of range: p < 0 at the ends"
+                f"half_width = {self.half_width:.6g} m is out of range: the pressure would be "
+                "negative at the ends of the zone"
             )
 
     half_width = property(lambda self: self.isolated.half_width)  # type: ignore[assignment]
@@ -292,7 +293,8 @@ def localized_at_load(
     most = at(last)
     if load > most:
         raise OutOfRange(
-            f"load = {load:.6g} N/m is out of range: the {closure} load is at most {most:.6g} N/m"
+            f"load = {load:.6g} N/m is out of range: with the {closure} closure it is at most "
+            f"{most:.6g} N/m"
         )
     first = 0.25 * period
     while at(first) > load:

@@ -258,7 +258,9 @@ def pair_at_load(
         else:
             low += step
         if step < 1e-13:
-            raise OutOfRange(f"load = {load:.6g} N/m is out of range: the two zones have merged")
+            raise OutOfRange(
+                f"load = {load:.6g} N/m is out of range: the two zones have merged into one"
+            )
     pair = at(exp(root(log_excess, low, low + step)))
     assert pair is not None
     return pair

@@ -30,7 +30,7 @@ class _Power(SymmetricZone):
     def __post_init__(self) -> None:
         super().__post_init__()  # type: ignore[misc]
         if not self.exponent > 1.0:
-            raise SceneError.of("exponent", self.exponent, "above 1 (at 1 it is a wedge)")
+            raise SceneError.of("exponent", self.exponent, "above 1 (the exponent 1 gives a wedge)")
 
     def _height(self, r: Array) -> Array:
         return np.asarray(self.coefficient * r**self.exponent)

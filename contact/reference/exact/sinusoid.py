@@ -83,7 +83,7 @@ class Westergaard(PeriodicZone, _Wave):
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         full = pi * shape["E_star"] * shape["amplitude"]
-        refuse_load(load, full, "contact is full (use FullContactSinusoid)")
+        refuse_load(load, full, "full contact (see FullContactSinusoid) begins")
         return half_width_from_sine(sqrt(load / full), sqrt((full - load) / full), shape["period"])
 
     def _height(self, r: Array) -> Array:
@@ -270,7 +270,7 @@ class IsolatedSinusoid(IsolatedZone, _OneWave):
     def _half_width_for(cls, load: float, **shape: float) -> float:
         unit = 0.5 * pi * shape["E_star"] * shape["amplitude"]
         ka = float(jn_zeros(0, 1)[0])
-        refuse_load(load, unit * ka * float(j1(ka)), "the load of one wave is greatest")
+        refuse_load(load, unit * ka * float(j1(ka)), "the load of one wave has its maximum")
         k = 2.0 * pi / shape["wavelength"]
         return root(lambda z: unit * z * j1(z) - load, 0.0, ka) / k
 

@@ -272,8 +272,8 @@ class TiltedWedge(TiltedZone):
         finite("tilt", self.tilt)
         if abs(self.tilt) >= self.wedge_slope:
             raise OutOfRange(
-                f"tilt = {self.tilt:.6g}: a wedge of slope {self.wedge_slope:.6g} "
-                "turned so far lies on its flank"
+                f"tilt = {self.tilt:.6g} is out of range: its absolute value must be below the "
+                f"slope {self.wedge_slope:.6g} of the wedge, which otherwise lies on its flank"
             )
 
     @classmethod
@@ -433,7 +433,8 @@ class TiltedPunch(TiltedZone):
         finite("moment", self.moment)
         if not abs(self.moment) < self.load * self.corner:
             raise OutOfRange(
-                f"moment = {self.moment:.6g} N: the load's centre is not between the corners"
+                f"moment = {self.moment:.6g} N is out of range: the centre of the load, "
+                "moment / load, must lie between the corners of the punch"
             )
 
     @property

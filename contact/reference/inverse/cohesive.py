@@ -162,7 +162,7 @@ class CohesiveDesign:
             raise SceneError.of(
                 "cohesive",
                 self.cohesive.tolist(),
-                "intervals that each hold a zone, and together all of them",
+                "intervals that each contain a zone, and together contain all zones",
             )
 
     @property

@@ -73,7 +73,9 @@ def design(
     """
     zones = np.asarray(zones)
     if cohesive is not None and not isinstance(law, Dugdale):
-        raise SceneError.of("cohesive", cohesive, "left out, unless the law is Dugdale's")
+        raise SceneError.of(
+            "cohesive", cohesive, "left out, as only Dugdale's law has cohesive intervals"
+        )
     if law is None or isinstance(law, Frictionless):
         return DesignedContact(zones, E_star, load, period)
     if isinstance(law, JKR):
@@ -81,7 +83,12 @@ def design(
     if not isinstance(law, Dugdale):
         raise SceneError.of("law", law, "Frictionless, JKR or Dugdale")
     if cohesive is None or period is not None:
-        raise SceneError.of("cohesive", cohesive, "intervals around the zones of an isolated body")
+        raise SceneError.of(
+            "cohesive",
+            cohesive,
+            "intervals around the zones, and the period left out: a design for Dugdale's law is "
+            "isolated",
+        )
     rise = law.stress / E_star
     return CohesiveDesign(
         zones, np.asarray(cohesive), E_star, law.work, law.stress, rise, given_load=load

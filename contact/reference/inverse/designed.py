@@ -255,7 +255,9 @@ class GivenZones(ExactContact):
         """
         if self.approach is None:
             raise SceneError.of(
-                "period", None, "a length > 0: an isolated displacement needs a datum"
+                "period",
+                None,
+                "a length > 0: without a period the displacement has an unknown constant",
             )
         return self.approach - (self.height(x) - self._least_height) + self.gap(x)
 

@@ -179,7 +179,9 @@ class CutProduct:
             offsets = offsets + np.outer(step, [1.0, -1.0])
             if np.all(np.abs(step) <= 8.0 * np.finfo(width.dtype).eps * width):
                 return offsets
-        raise NotConverged("the roots of M of an inverse design did not converge")
+        raise NotConverged(
+            "the inverse design did not converge: the roots of its product M were not found"
+        )
 
     def _gap_row(
         self, row: int, g: int, dl: Array, dr: Array, weight: Array, offsets: Array

@@ -92,8 +92,8 @@ class LevelOfFullGrid(OutOfRange):
 
 
 _AS_GOOD_AS_FULL = (
-    "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as "
-    "good as full; give a load, a mean pressure or a contact fraction"
+    "the approach equals the mean of the profile within the accuracy of a grid: contact is full or "
+    "almost full; give a load, a mean pressure or a contact fraction"
 )
 
 
@@ -379,7 +379,7 @@ def solve_grid(
     if np.any(np.isnan(shape)) or np.any(shape == -np.inf) or not np.any(allowed):
         raise ValueError("f must be finite or +inf, and finite somewhere")
     if (load is None) == (level is None):
-        raise ValueError("exactly one of load and level")
+        raise ValueError("give exactly one of load and level")
     guess: Array | None = None
     if start is not None:
         positive = np.maximum(np.asarray(start, dtype=np.float64), 0.0)
@@ -667,7 +667,10 @@ class _Run:
                     # bracket, as happens for a nearly incompressible layer. Under a cap, the level
                     # jumps if no point in contact is below the cap.
                     return replace(state, converged=False)
-                raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
+                raise OutOfRange(
+                    f"level {level} (approach plus lowest height) is above the largest level under "
+                    f"any load, {state.level}"
+                )
             guess = state.pressure
             load += step
             if not low < load < high:

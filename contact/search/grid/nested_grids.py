@@ -386,7 +386,7 @@ def find_window(
     returned window only if this window is `limits`. load: if a level is given, a first guess.
     """
     if load is None and level is None:
-        raise ValueError("a load or a level")
+        raise ValueError("give a load or a level")
     search = _Window(height, response, limits)
     window = search._clip(start or limits or (-1.0, 1.0))
     if level is None:
@@ -424,9 +424,9 @@ class _Window:
         lost = np.isnan(f) | np.isneginf(f)
         if lost.any():
             raise OutOfRange(
-                f"profile.height(x) is {f[lost][0]} at x = {x[lost][0]:.9g} m, in the window "
-                f"{window} [m] looked at: if it is known on a part of the line only, give it an "
-                "`extent`, and a `resolution` to begin with"
+                f"profile.height(x) is {f[lost][0]} at x = {x[lost][0]:.9g} m, in the searched "
+                f"interval {window} [m]: if the profile is known on a part of the line only, give "
+                "it an `extent` and a `resolution`"
             )
         width = window[1] - window[0]
         with np.errstate(over="ignore", invalid="ignore"):
@@ -486,8 +486,9 @@ class _Window:
                 return window, state
             window = wanted
         raise NoWindow(
-            f"no window holds the contact (last tried: {window}): does the profile rise on both "
-            "sides? A profile that levels off far away bears only light loads without an `extent`"
+            f"no interval of x contains the whole contact (last tried: {window} [m]): check that "
+            "the profile rises on both sides. A profile that levels off far away needs an "
+            "`extent` or a small load"
         )
 
     def at_level(
@@ -507,11 +508,12 @@ class _Window:
             if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(
-                        f"level {level} does not reach the profile, whose lowest point is {lowest}"
+                        f"level {level} (approach plus lowest height) is not above the lowest "
+                        f"height of the profile, {lowest}: give a larger approach"
                     )
                 raise OutOfRange(
-                    f"level {level} is above the largest approach over a datum of "
-                    f"{self.response.datum}"
+                    f"level {level} (approach plus lowest height) is above the largest level under "
+                    f"any load with the datum {self.response.datum}"
                 )
             slope = self._compliance(state)
             step = (level - state.level) / slope if slope > 0.0 else np.nan

@@ -123,13 +123,13 @@ def _window(scene: Scene, profile: Tilted) -> Window:
         assert value is not None
         if level + value <= deepest:
             raise OutOfRange(
-                f"approach {value:.6g} m at x = 0 leaves the body clear: turned by "
-                f"{profile.tilt:.6g} it touches from {deepest - level:.6g} m on"
+                f"approach {value:.6g} m at x = 0 is too small: turned by the tilt "
+                f"{profile.tilt:.6g}, the body first touches at {deepest - level:.6g} m"
             )
         return fixed or find(profile.height, level=level + value)
     except NoWindow as failure:
         raise OutOfRange(
-            f"turned by {profile.tilt:.6g}, the body finds no hold: {failure}"
+            f"no contact was found for the body turned by {profile.tilt:.6g}: {failure}"
         ) from failure
 
 

@@ -105,11 +105,11 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
         what = (
             "the corners of the profile"
             if scene.profile.support is not None
-            else "the ends of what is known of the profile"
+            else "the ends of the known part of the profile"
         )
         raise OutOfRange(
-            f"moment {scene.moment:.6g} N asks for a centre of the load at {centre:.6g} m, which "
-            f"is not between {what}, {known[0]:.6g} and {known[1]:.6g} m"
+            f"moment {scene.moment:.6g} N puts the centre of the load at {centre:.6g} m, which is "
+            f"not between {what}, {known[0]:.6g} and {known[1]:.6g} m"
         )
     try:
         first: Window | None = window_at_load(scene, Tilted(scene.profile, guess), load)
@@ -144,8 +144,8 @@ def tilt_search(scene: Scene, guess: float) -> AtTilt:
         if known is not None or best.window != search.limits:
             return best
     raise OutOfRange(
-        "no tilt that can be told from the slopes of the profile brings the centre of the load to "
-        f"{centre:.6g} m: give a smaller moment, or check that the profile rises on both sides"
+        f"no tilt was found that puts the centre of the load (moment / load) at {centre:.6g} m: "
+        "give a smaller moment, or check that the profile rises on both sides"
     )
 
 

@@ -72,7 +72,7 @@ def from_previous(context: SolveContext) -> Outcome | Failure:
     correct = _by_gaps if use_gaps else _by_zones
     outcome: Outcome | Failure = attempted(lambda: correct(context, problem, control, zones))
     if isinstance(outcome, Failure) and has_grid:
-        context.record_failure("the last zones, carried on", outcome)
+        context.record_failure("zones extrapolated from the last ones", outcome)
         return _by_grid(context, problem, control)
     return outcome
 
@@ -84,7 +84,7 @@ def _has_grid(context: SolveContext, control: Control) -> bool:
 
 def _decide(context: SolveContext, way: str, changes: int) -> None:
     """Record in the plan the source of the first guess, and how many zones came or went."""
-    because = "zones that come or go from the last value: {}"
+    because = "the number of zones that appear or vanish after the last value is {}"
     context.plan.decide("first guess", way, because, changes, OPTIONS.max_changes)
 
 

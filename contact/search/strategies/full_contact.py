@@ -26,9 +26,10 @@ def smallest_full(context: SolveContext) -> Full:
     if math.isfinite(pressure):
         return Full(pressure)
     if context.full.approached and not context.operator.has_inverse:
-        raise OutOfRange(no_inverse(context, "full contact is not known"))
+        raise OutOfRange(no_inverse(context, "the load of full contact is unknown"))
     raise OutOfRange(
-        "no load brings this scene into full contact: its valleys have kinks, or the model has none"
+        "no load brings this scene into full contact: its profile has kinks in valleys or sharp "
+        "corners, or its interaction or law has no full contact"
     )
 
 
@@ -37,8 +38,8 @@ def no_inverse(context: SolveContext, what: str) -> str:
     name = context.scene.interaction.name
     return (
         f"{what}: the interaction {name!r} gives a kernel and no symbol, "
-        "so the pressure that flattens the surface cannot be told. "
-        "Give it a `symbol`, or ask for less contact"
+        "so that the pressure that flattens the surface cannot be computed. "
+        "Define its `symbol`, or give a control with less contact"
     )
 
 
@@ -60,7 +61,7 @@ def full_under(context: SolveContext, control: Control, but_for_kinks: bool = Fa
     context.plan.decide(
         "full contact",
         "full contact" if is_full else "part contact",
-        "the mean pressure of closed surfaces is {} Pa",
+        "the mean pressure with all gaps closed would be {} Pa",
         mean_pressure,
         limit.onset_pressure,
     )
@@ -93,8 +94,8 @@ def full_by_adhesion(context: SolveContext) -> Full:
     mean_pressure = full_contact_pressure(context)
     if mean_pressure is None:
         raise OutOfRange(
-            "the surfaces close altogether, and in full contact the approach does not tell "
-            "the load: give a load"
+            "adhesion closes all gaps, and in full contact the approach does not determine the "
+            "load: give a load"
         )
     return Full(mean_pressure)
 
@@ -114,13 +115,14 @@ def refuse_full_approach(context: SolveContext, problem: Problem, control: Contr
     rounding = 8 * EPS * (highest + abs(problem.lowest) / units.height)
     if control.approach >= highest - rounding:
         there = (
-            "no load reaches it, as the gaps over kinks of valleys never close"
+            "no load gives this approach, as the gaps over kinks in valleys never close"
             if context.operator.has_inverse and not limit.possible
-            else "there it is in full contact, at any load above the smallest"
+            else "in full contact the approach does not determine the load; give a load"
         )
         raise OutOfRange(
             f"approach {control.approach * units.height:.15g} m is not below "
-            f"{highest * units.height:.15g} m, the mean of the profile to round-off: {there}"
+            f"{highest * units.height:.15g} m, the mean of the profile above its lowest point, "
+            f"within rounding: {there}"
         )
 
 
@@ -138,6 +140,7 @@ def _refuse_wide_punch(context: SolveContext, approach: float) -> None:
     width = support[1] - support[0]
     if width >= 4 * datum:
         raise OutOfRange(
-            f"approach {approach:.6g} m: a flat punch of width {width:.6g} m has none above zero "
-            f"with a datum of {datum:.6g} m"
+            f"approach {approach:.6g} m is out of range: a flat punch of width {width:.6g} m has "
+            f"no approach above zero with a datum of {datum:.6g} m; give a datum above a quarter "
+            "of the width"
         )

@@ -37,25 +37,25 @@ OPTIONS = GapOptions()
 
 # The plan states why zones or gaps are the unknowns. The reason begins with these words if a
 # similar solution had the same unknowns.
-_AS_BEFORE = "they served under a similar load: "
+_AS_BEFORE = "they were the unknowns under a similar load: "
 
 
 def why_not_gaps(context: SolveContext, problem: Problem) -> str:
     """The reason why the gaps cannot be the unknowns at any contact width; empty if they can."""
     scene, operator = context.scene, context.operator
     if problem.interaction.strip:
-        return f"the model {scene.interaction.name} solves a strip, which has no full contact"
+        return f"the {scene.interaction.name} model solves a strip, which has no full contact"
     if problem.period is None:
-        return "a lone body has no full contact"
+        return "an isolated body has no full contact"
     if scene.held(Quantity.HALF_WIDTH) is not None:
         return "the half width is given"
     if not scene.law.routes.gaps:
         return f"the law {scene.law.name} forbids gaps as the unknowns"
     if not operator.has_inverse:
         body = scene.interaction if operator.is_own else scene.substrate
-        return f"no inverse of the operator is known, as {body.name} declares no symbol"
+        return f"the inverse of the elastic operator is unknown, as {body.name} has no symbol"
     if not context.full.approached:
-        return "full contact is not approached, as the profile ends at sharp corners"
+        return "the contact cannot become full, as the profile ends at sharp corners"
     return ""
 
 
@@ -71,7 +71,10 @@ def gaps_are_better(
     if reason or period is None:
         context.plan.decide("unknowns", "zones", reason)
         return False
-    threshold, because = options.wide_contact, "the first guess of contact is {} of the period"
+    threshold, because = (
+        options.wide_contact,
+        "the first guess of the contact width is {} of the period",
+    )
     if not (context.full.possible or context.single):
         threshold = options.wide_contact_with_kinks
         because = f"no load closes the gaps over kinks of valleys, and {because}"
@@ -86,7 +89,7 @@ def record_as_before(plan: Plan, before: Solution) -> None:
     way = "gaps" if isinstance(before.fields, GapFields) else "zones"
     decided = before.plan.decisions.get("unknowns")
     if decided is None or decided.way != way:
-        plan.decide("unknowns", way, "a solution under a similar load has them")
+        plan.decide("unknowns", way, "they are the unknowns of a solution under a similar load")
         return
     because = _AS_BEFORE + decided.because.removeprefix(_AS_BEFORE)
     plan.decide("unknowns", way, because, decided.measured, decided.threshold)
@@ -98,14 +101,17 @@ def record_unknowns(context: SolveContext, solved: SolvedZones | SolvedGaps) -> 
     decided = plan.decisions.get("unknowns")
     way = "gaps" if isinstance(solved, SolvedGaps) else "zones"
     if decided is None:
-        because = "a guess of them is at hand"
+        because = f"a first guess of the {way} is available"
         if module is not None:
             because = f"the law {context.scene.law.name} is solved by {module}"
         elif way == "zones":
             because = why_not_gaps(context, solved.fields.problem) or because
         plan.decide("unknowns", way, because)
     elif decided.way != way:
-        because = f"the solution that is kept has them, after {decided.way}: {decided.because}"
+        because = (
+            "they are the unknowns of the final solution; the first choice was "
+            f"{decided.way}, since {decided.because}"
+        )
         plan.decide("unknowns", way, because, decided.measured, decided.threshold)
 
 
@@ -145,7 +151,7 @@ def record_failed_gaps(context: SolveContext, strategy: str, failure: Failure) -
     context.record_failure(strategy, failure)
     decided = context.plan.decisions.get("unknowns")
     if decided is not None:
-        because = f"gaps led to no contact ({failure.reason}), although {decided.because}"
+        because = f"the search for gaps failed ({failure.reason}), although {decided.because}"
         context.plan.decide("unknowns", "zones", because, decided.measured, decided.threshold)
 
 
@@ -170,7 +176,7 @@ def by_gaps(
             return found
         found = tightened_gaps(context, found)
     if not math.isfinite(found.error):
-        return Failure("the gaps leave no pressure that could be told", found.free)
+        return Failure("the error of the pressure could not be estimated from the gaps", found.free)
     return found
 
 

@@ -70,10 +70,10 @@ class GuessOptions:
 OPTIONS = GuessOptions()
 
 INSTEAD = (
-    "Localized('self-consistent', neighbours=4) and Periodic() are nearer to the exact contact "
-    "and reach farther"
+    "use Localized('self-consistent', neighbours=4) or Periodic(), which are more accurate and "
+    "allow wider contacts"
 )
-_AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
+_AT_BORDER = "a contact zone reaches the border of the known part of the profile"
 _AT_STRIP = (
     f"a contact zone reaches the border of the strip that the localized model solves; {EXACT}"
 )
@@ -99,7 +99,7 @@ def search(context: SolveContext, scaled: ScaledScene, start: Array | None = Non
         return from_grid(context, scaled)
     if not width_is_given:
         raise context.error(
-            Failure("zones of the total width that the closure asks for were not found"),
+            Failure("no zones with the total width that the closure prescribes were found"),
             scaled.problem,
         )
     return by_fraction(context, scaled)
@@ -112,7 +112,7 @@ def _similar_solution(
     if start is None:
         return NOT_APPLICABLE
     problem, control = scaled.problem, scaled.control
-    context.plan.decide("first guess", "the warm start", "a similar solution is at hand")
+    context.plan.decide("first guess", "the warm start", "a similar solution is available")
     width = float((start[:, 1] - start[:, 0]).sum())
     if gaps_are_better(context, problem, width):
         return by_gaps(context, problem, control, width, start, abandon_if_far=True)
@@ -136,8 +136,8 @@ def _given_zone(
     if found.at_border:
         raise context.error(found, scaled.problem)
     raise OutOfRange(
-        "one zone of this half width carries no pressure that is positive everywhere: "
-        f"{found.reason}"
+        "no contact was found with one zone of this half width and a pressure that is positive "
+        f"everywhere: {found.reason}"
     )
 
 
@@ -215,17 +215,17 @@ def _half_width_on_branch(context: SolveContext, problem: Problem, control: Cont
         if gap > OPTIONS.narrowest_border_gap * last:
             return float(border - gap)
         raise OutOfRange(
-            f"{asked} is more than one zone carries in its strip, whose border it nears: "
-            f"{at_most}; {EXACT}"
+            f"{asked} is beyond the largest value for one zone in the strip of the localized "
+            f"model, {at_most}, where the zone nears the border of the strip; {EXACT}"
         )
     raise OutOfRange(
-        f"{asked} is beyond the largest that {context.scene.interaction.name} carries on the "
-        f"branch from zero load, {at_most}"
+        f"{asked} is beyond the largest value on the branch from zero load, {at_most} "
+        f"(interaction {context.scene.interaction.name!r})"
     )
 
 
 GUESSES: tuple[tuple[str, Guess], ...] = (
-    ("zones near by", _similar_solution),
+    ("zones of a similar solution", _similar_solution),
     ("the given zone", _given_zone),
     ("one zone", _one_zone),
 )
@@ -291,9 +291,8 @@ class _GridSearch:
         if control.load is not None and not control.load > 0.0:
             raise OutOfRange(
                 f"{control.described(self.scaled.problem.units)}: "
-                f"the law {context.scene.law.name} has no `bare` law to begin from, "
-                "and without one zones are looked for under loads "
-                "above 0 only: give a half width"
+                f"the law {context.scene.law.name} has no `bare` law for a first guess, so that "
+                "zones are searched for under loads above 0 only: give a half width"
             )
 
     def _proposed(self, points: int | None) -> Proposal:
@@ -354,7 +353,7 @@ class _GridSearch:
             control,
             width,
             table,
-            strategy=f"gaps between {zones} on {proposal.points} points",
+            strategy=f"gaps between {zones} of a grid of {proposal.points} points",
             allow_loss=self.allow_loss,
         )
         if found_by_gaps is not None:
@@ -381,8 +380,8 @@ class _GridSearch:
         distance = meets_far_away(context.scene, self.scaled.cell)
         if distance is not None:
             return OutOfRange(
-                f"the profile levels off, and under this load the bodies meet again about "
-                f"{distance:.1g} m away: give the profile an `extent`, or a smaller load"
+                "the profile levels off, and under this load the bodies also meet at a distance of "
+                f"about {distance:.1g} m: give the profile an `extent`, or give a smaller load"
             )
         width = 0.0 if last is None else last.width / problem.units.length
         has_no_inverse = context.operator.is_periodic and not context.operator.has_inverse
@@ -390,17 +389,17 @@ class _GridSearch:
             return OutOfRange(
                 no_inverse(
                     context,
-                    f"in full contact, or nearer to it than a grid of {points} points tells",
+                    f"contact is full, or nearer to full than a grid of {points} points resolves",
                 )
             )
         if not (is_full or width):
-            unseen = "the contact is narrower than the finest grid tells; give a load"
+            unseen = "the contact is narrower than the finest grid resolves; give a load"
             return context.error(failure or Failure(unseen), problem)
         if is_full and problem.interaction.strip:
             return OutOfRange(_AT_STRIP)
-        narrow = "the gaps are narrower than the finest grid tells from full contact"
+        narrow = "the gaps are narrower than the finest grid resolves"
         if has_no_inverse:
-            narrow += "; the gaps themselves are solved for where the model declares its symbol"
+            narrow += "; define the `symbol` of the model, so that the gaps can be the unknowns"
             almost_full = width > OPTIONS.almost_full * (problem.period or math.inf)
             if failure is not None and almost_full:
                 failure = Failure(f"{failure.reason}, and {narrow}", failure.free)

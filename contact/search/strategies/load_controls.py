@@ -65,7 +65,9 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
     known = known_part(scene.profile)
     reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
     if not reach > 0.0:
-        raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
+        raise OutOfRange(
+            f"moment {moment:.6g} N is out of range: the body lies on the other side of x = 0"
+        )
     length = abs(wanted) or scene.operator.datum or 1.0
     guess = SEARCH.light_load * scene.E_star * length
     first = guess if context.warm_start is None else context.warm_start.load
@@ -81,7 +83,8 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
             return here
         largest = max(largest, here.approach or 0.0)
     raise OutOfRange(
-        f"no load has the approach {wanted:.6g} m; the largest of those tried was {largest:.6g} m"
+        f"no load gives the approach {wanted:.6g} m; the largest approach under the loads that "
+        f"were tried is {largest:.6g} m"
     )
 
 
@@ -98,11 +101,11 @@ def at_level(context: SolveContext) -> SolvedZones:
             problem, context.control(problem), placed(problem, start.zones)
         )
         if isinstance(found, SolvedZones):
-            because = "its approach is nearly the wanted one"
+            because = "its approach is close to the given one"
             context.plan.decide("first guess", "a solution under a load", because)
             return found
         failure = found
-        context.record_failure("zones under a load of about this approach", failure)
+        context.record_failure("zones under a load with about this approach", failure)
     assert problem is not None
     raise context.error(failure, problem)
 
@@ -123,10 +126,10 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
         if not isinstance(outcome, float):
             return outcome
         first, way = outcome, "a solution under a load"
-        context.plan.decide("first guess", way, "a grid led to no contact of this fraction")
+        context.plan.decide("first guess", way, "no contact of this fraction was found from a grid")
     else:
         first = start.load
-        because = "its contact fraction is off by {} of the smaller of contact and gaps"
+        because = "relative to the smaller of contact and gaps, its contact fraction differs by {}"
         context.plan.decide("first guess", "the warm start", because, change, OPTIONS.max_change)
     near_enough, last, error = SEARCH.rough, None, 1.0
     solve_load = _solver_of_loads(context)
@@ -226,9 +229,10 @@ def _at_jump(
     found = _from_solution(context, problem, load, last) if is_there else NOT_APPLICABLE
     if isinstance(found, Failure):
         raise NotConverged(
-            "no load that double precision tells from its neighbours has the contact fraction "
-            f"{context.scene.given_fraction:.15g}: at a mean pressure of "
-            f"{last.mean_pressure:.15g} Pa it is {last.contact_fraction:.15g}, beside that beyond",
+            "no load in double precision has the contact fraction "
+            f"{context.scene.given_fraction:.15g}: at the mean pressure {last.mean_pressure:.15g} "
+            f"Pa it is {last.contact_fraction:.15g}, and beside this pressure it jumps past the "
+            "given fraction; give a load",
             (),
             last,
         )
@@ -272,8 +276,8 @@ def _raise_if_corner(context: SolveContext, here: Solution) -> None:
         return
     if corner := undeclared_corner(context.scene, here.zones):
         raise NotConverged(
-            f"under {quantity(here.load, 'N/m', 6)} the stated error {here.error:.2g} is above the "
-            f"tolerance {context.tol:.2g}: {corner}",
+            f"under the load {quantity(here.load, 'N/m', 6)} the stated error {here.error:.2g} is "
+            f"above the tolerance {context.tol:.2g}: {corner}",
             (),
             here,
         )

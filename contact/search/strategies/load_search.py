@@ -241,12 +241,13 @@ def by_quantity(
         error = here.error + (load_error + own) * _rate_of_error(here, pairs[here.load])
         best = replace(here, scene=scene, error=float(error))
         if best.error <= tol:
-            best.plan.decide("control", "a load search", f"{control.name} is a control of its own")
+            best.plan.decide("control", "a load search", f"{control.name} is user-defined")
             return best
     if best is None or not math.isfinite(best.error) or len(sides) < 2:
-        raise OutOfRange(f"no load has the {control.name} {control.value:.15g}")
+        raise OutOfRange(f"no load gives {control.name} = {control.value:.15g}")
     raise NotConverged(
-        f"not converged: the load of the {control.name} {control.value:.15g} is known too roughly",
+        f"not converged: the load that gives {control.name} = {control.value:.15g} was not found "
+        "accurately enough",
         (),
         best,
     )

@@ -13,7 +13,7 @@ from sie import Array, record
 
 # Advice in every error message about the strip of a localized model. The strip is the part of the
 # surface that such a model solves exactly.
-EXACT = "interaction = Periodic() needs no strip"
+EXACT = "use interaction = Periodic(), which has no strip"
 
 
 class WrongTopology(Exception):
@@ -52,7 +52,7 @@ class Failure:
         return self.free is not None and self.free.unresolved
 
 
-NOT_APPLICABLE = Failure("not a scene for this way")
+NOT_APPLICABLE = Failure("this strategy does not apply to the scene")
 
 
 def attempted(strategy: Callable[[], Any]) -> Any:

@@ -67,7 +67,8 @@ class GapForm:
         """The gaps `table` as intervals with free ends, which Newton's method moves."""
         if len(table) == 0:
             raise WrongTopology(
-                "no gap is left: they are narrower than rounding can tell from full contact", None
+                "no gap is left: within rounding, such narrow gaps do not differ from full contact",
+                None,
             )
         return sie.Zones.of(table)
 

@@ -53,7 +53,9 @@ class GapGuesses:
         valleys = self._over_kinks(mean)
         above = self.value > mean
         if above.all():
-            raise WrongTopology("the mean pressure is below R everywhere", None)
+            raise WrongTopology(
+                "under this mean pressure, full contact would be under tension everywhere", None
+            )
         if above.any():
             runs = self._runs(above, mean)
             half = 0.5 * self.period

@@ -269,25 +269,25 @@ class _Loop(Generic[Kind]):
         """Newton's result from a table of intervals; raises WrongTopology if there is none."""
         form, what = self.form, self.form.what
         if len(table) and not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
-            raise WrongTopology(f"the {what}s are too narrow to tell their ends apart", before)
+            raise WrongTopology(f"the {what}s are too narrow to distinguish their ends", before)
         try:
             free = form.moved(self.control, form.intervals(self.control, table), self.newton)
         except sie.SingularSystem as failure:
             raise WrongTopology(
-                f"the equation has no solution on such {what}s ({failure})", before
+                f"the integral equation has no solution on these {what}s ({failure})", before
             ) from failure
         except ValueError as fault:
             if isinstance(fault, ContactError):
                 raise
             reason = (
                 input_checks.height_rounding(form.problem, table)
-                or f"what the scene gives the equation does not go together: {fault}"
+                or f"the parts of the scene give an inconsistent integral equation: {fault}"
             )
             raise SceneError(reason) from fault
         form.refuse(table, free)
         may_lose = self.newton.allow_loss and (len(free.lost) or len(free.met))
         if self.newton.abandon_if_far and not (free.converged or may_lose):
-            raise WrongTopology(f"the {what}s are not near those of the solution", free)
+            raise WrongTopology(f"the guessed {what}s are too far from those of the solution", free)
         return free
 
     def _keep_for_next(self, free: sie.Free) -> None:
@@ -383,12 +383,14 @@ class _Loop(Generic[Kind]):
         table = free.density.zones.table
         tighter, is_tight = replace(newton, tolerance=LEAST), newton.tolerance <= LEAST
         if self.control.half_width is not None:
-            raise WrongTopology("pressure or gap change sign", free)
+            raise WrongTopology("pressure or gap has the wrong sign in places", free)
         if not is_tight and _is_error(here):
             self.newton = tighter
             return table
         if newton.abandon_if_far and not newton.allow_loss:
-            reason = here.certificate.note or f"there are other {form.what}s than these"
+            reason = (
+                here.certificate.note or f"the contact has other {form.what}s than the guessed ones"
+            )
             raise WrongTopology(reason, free)
         self.newton = replace(newton, abandon_if_far=False)
         corrected = form.corrected(free.density.zones, here.certificate)

@@ -102,10 +102,10 @@ class PressureForm:
             )
         except sie.SingularSystem as failure:
             raise WrongTopology(
-                f"the equation has no solution on such zones ({failure})", None
+                f"the integral equation has no solution on these zones ({failure})", None
             ) from failure
         if not free.converged:
-            raise WrongTopology("the zones do not go on to this load", free)
+            raise WrongTopology("the zones could not be continued to this load", free)
         return ZoneFields(self.problem, free.state)
 
     def refuse(self, table: Array, free: sie.Free) -> None:
@@ -175,7 +175,7 @@ class PressureForm:
             self.what,
         )
         if len(table) > 4 * len(zones) + 64:  # no correction of a contact adds so many
-            raise WrongTopology("the signs of pressure and gap change ever more often", None)
+            raise WrongTopology("pressure or gap has the wrong sign in too many places", None)
         return table
 
     def solved(self, round: Round[SolvedZones]) -> SolvedZones:
@@ -255,7 +255,9 @@ def _within_strip(problem: Problem, table: Array) -> None:
     if problem.interaction.strip and problem.period is not None and not problem.reference:
         if float(np.abs(table - problem.centre).max()) >= 0.5 * problem.period:
             raise WrongTopology(
-                f"a contact zone reaches the border of the strip; {EXACT}", None, at_border=True
+                f"a contact zone reaches the border of the strip of the localized model; {EXACT}",
+                None,
+                at_border=True,
             )
 
 
@@ -264,7 +266,7 @@ def _within_borders(problem: Problem, zones: sie.Zones) -> None:
     lo, hi = problem.borders
     if zones.a[0] <= lo or zones.b[-1] >= hi:
         raise WrongTopology(
-            "a contact zone reaches the border of the part of the profile that is known",
+            "a contact zone reaches the border of the known part of the profile",
             None,
             at_border=True,
         )
