@@ -30,8 +30,8 @@ def require_similar(scene: Scene) -> None:
         )
     if scene.operator.is_own or scene.operator.own_columns:
         raise SceneError(
-            f"interaction = {model.name}: it defines the kernel of the pressure, and the kernel of "
-            "the shear is unknown: use contact.Periodic() or contact.Isolated()",
+            f"interaction = {model.name}: its kernel for the pressure is known, but not its kernel "
+            "for the shear: use contact.Periodic() or contact.Isolated()",
             "interaction",
         )
     if not scene.operator.is_plain:

@@ -454,7 +454,7 @@ def test_cohesive_intervals_meet_without_a_jump_of_load_and_open_full_contact_at
         exact.Westergaard(0.02, L, E_STAR, 0.5 * L * (1 - 1e-9)), 0.03, 2e-4
     )
     assert closed.mean_pressure == pytest.approx(curve.opening_mean_pressure, rel=1e-12)
-    with pytest.raises(OutOfRange, match="meet from"):
+    with pytest.raises(OutOfRange, match="meet only if"):
         exact.MetDugdaleZone(exact.Westergaard(0.02, L, E_STAR, 0.1), 0.03, 2e-4)
 
 

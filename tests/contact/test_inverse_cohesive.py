@@ -174,7 +174,7 @@ def test_a_design_of_other_zones_is_another_contact():
 
 
 def test_intervals_without_a_zone_and_ends_in_descending_order_are_refused():
-    with pytest.raises(SceneError, match="each hold a zone"):
+    with pytest.raises(SceneError, match="each contain a zone"):
         CohesiveDesign([[-1, 1]], [[-2, 2], [3, 4]], 1.0, 1e-3, 1e-2, 0.1)
     with pytest.raises(SceneError, match="strictly increasing"):
         CohesiveDesign([[1, -1]], [[-2, 2]], 1.0, 1e-3, 1e-2, 0.1)

@@ -459,7 +459,7 @@ class TestDecisions:
         choice = solution.plan.decisions["unknowns"]
         assert isinstance(solution.fields, ZoneFields)
         assert choice.way == "zones" and choice.measured > choice.threshold == 0.7
-        assert "gaps led to no contact (not today)" in choice.reason
+        assert "the search for gaps failed (not today)" in choice.reason
         assert any("gaps" in one and "not today" in one for one in solution.plan.tried)
 
     def test_a_near_solution_is_named_as_the_first_guess(self):
@@ -554,7 +554,7 @@ class TestUnknowns:
         assert first.way == "the warm start" and first.measured < first.threshold
         assert first.measured == pytest.approx(0.01 / 0.19)
         assert choice.way == "gaps" and choice.measured > choice.threshold
-        assert choice.because.startswith("they served under a similar load: ")
+        assert choice.because.startswith("they were the unknowns under a similar load: ")
 
     def test_zones_whose_error_is_below_that_of_the_gaps_are_named(self, monkeypatch):
         """The gaps pass the certificate, but their stated error is above the tolerance."""
@@ -565,14 +565,14 @@ class TestUnknowns:
         solution = solve(ROUGH, tol=1e-7, mean_pressure=4e-3)
         choice = solution.plan.decisions["unknowns"]
         assert isinstance(solution.fields, ZoneFields) and choice.way == "zones"
-        assert choice.because == "the stated error by the gaps is {}"
+        assert choice.because == "with gaps as the unknowns, the stated error is {}"
         assert choice.measured > choice.threshold == 1e-7
 
     @pytest.mark.parametrize(
         ("scene", "because"),
         [
             (contact.Scene(WAVE, E, PERIODIC, law=contact.JKR(1e-7), half_width=0.1), "is given"),
-            (contact.Scene(contact.Parabola(1.0), E, ISOLATED, moment=1e-5, load=1e-3), "lone"),
+            (contact.Scene(contact.Parabola(1.0), E, ISOLATED, moment=1e-5, load=1e-3), "isolated"),
             (contact.Scene(WAVE, E, LOCALIZED, mean_pressure=5e-4), "strip"),
             (contact.Scene(WAVE, E, PERIODIC, law=contact.JKR(1e-7), load=1e-3), "law jkr forbids"),
         ],

@@ -463,7 +463,7 @@ def test_no_tangential_load_means_no_shear(cylinder):
 
 SCENES = {
     "another tilt": {"load": 0.1, "moment": 1e-3},
-    "another kernel": {"load": 0.1, "substrate": contact.Layer(thickness=1.0, nu=0.3)},
+    "different kernels": {"load": 0.1, "substrate": contact.Layer(thickness=1.0, nu=0.3)},
     "law": {"load": 0.1, "law": contact.JKR(1e-3)},
     "nominal pressure": {"mean_pressure": 1.0, "interaction": contact.Localized()},
 }
