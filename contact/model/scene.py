@@ -325,7 +325,9 @@ class Scene(NamesArguments, sie.Kept):
         """
         for part in (self.interaction, self.law):
             if asked not in part.allows:
-                allowed = f"left out: {part.name} accepts only {', '.join(part.allows)}"
+                allowed = (
+                    f"left out: {part.name} accepts only the controls {', '.join(part.allows)}"
+                )
                 raise SceneError.of(control.name, control.value, allowed)
         if control.name not in CONTROLS and not self.law.equilibria.unique:
             raise SceneError.of(

@@ -89,7 +89,7 @@ def test_the_check_of_the_law_decides_whether_the_certificate_holds():
 
 
 def test_scenes_that_the_law_does_not_allow_are_refused_before_any_arithmetic():
-    with pytest.raises(contact.SceneError, match="glued accepts only load"):
+    with pytest.raises(contact.SceneError, match="glued accepts only the controls load"):
         replace(SCENE, law=Glued(), mean_pressure=None, approach=1e-3)
     with pytest.raises(contact.SceneError, match="glued is for periodic scenes"):
         contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), law=Glued(), load=0.1)

@@ -244,8 +244,8 @@ def common_period(one: float | None, other: float | None) -> float | None:
     )
     length = one * ratio.denominator / ratio.numerator
     example = (
-        f"{length!r} ({ratio.denominator} periods of the profile are then {ratio.numerator} of the "
-        "counter)"
+        f"{length!r} ({ratio.numerator} times this is {ratio.denominator} times the profile's "
+        "period)"
     )
     allowed = (
         f"a fraction of whole numbers (at most {most}) times the profile's period {one!r}, "

@@ -219,7 +219,7 @@ def in_order(
         raise at(
             path,
             lines[0],
-            f"all positions are {x[0]:g} m: if another column of a text file has them, use columns",
+            f"all positions are {x[0]:g} m: in a text file, set columns to the right columns",
         )
     steps = np.diff(x)
     back = np.flatnonzero(steps < 0)
@@ -239,8 +239,8 @@ def in_order(
     rising = height[np.isfinite(height)]
     swapped = np.all(np.diff(rising) > 0) or np.all(np.diff(rising) < 0)
     other = (
-        "; the heights do: if positions and heights are exchanged, exchange them, in a text file "
-        "by columns = [1, 0]"
+        "; the heights do: positions and heights may be interchanged (in a text file, set "
+        "columns = [1, 0])"
         if swapped
         else ""
     )

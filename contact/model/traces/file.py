@@ -288,7 +288,7 @@ def _why_none(
     """Advice for the error message if a file has no two rows of numbers in the wanted columns."""
     refuse_sideways(path, rows, layouts)
     if any(_GROUPED.search(line) for _, line in rows):
-        return ": numbers with thousands separators cannot be read; remove the separators"
+        return ": if the numbers have thousands separators, remove them; otherwise check columns"
     if all(layout.decimal == "," for layout in layouts) and any(
         layout.delimiter == "," for layout in layouts
     ):
@@ -371,7 +371,7 @@ def _numbers(data: Data, i: int, missing: Any) -> list[float]:
         return [*rest, nan]
     hint = ""
     if _GROUPED.search(text):
-        hint = " (remove the thousands separators)"
+        hint = " (if a number has thousands separators, remove them)"
     elif rest is not None and last < len(cells):
         hint = f"; if it marks a missing height, use missing = {shown(cells[last])}"
     what = "two numbers in columns" if len(data.places) == 2 else "number in column"
