@@ -121,7 +121,7 @@ def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
     return tuple(replace(handle, name=name) for handle, name in zip(found, numbered, strict=True))
 
 
-def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) -> Scene:
+def with_values(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) -> Scene:
     """The scene in which the sliders that were moved have their new values."""
     for handle in known:
         if handle.name in moved and moved[handle.name] != handle.value:

@@ -23,7 +23,7 @@ from contact.explorer.frame import (
     point_of,
     same_curve,
 )
-from contact.explorer.handles import SLIDERS, Handle, handles, moduli_handles, rounded, turned
+from contact.explorer.handles import SLIDERS, Handle, handles, moduli_handles, rounded, with_values
 from contact.explorer.presets import PRESETS
 from contact.model.registry import LAWS
 from contact.model.scene import E_star, Scene
@@ -140,7 +140,7 @@ class Session:
     def scene(self, values: Mapping[str, float]) -> Scene:
         """The scene with new values of some sliders."""
         moved = {name: rounded(float(value)) for name, value in values.items()}
-        scene = turned(self.base, moved, self.known)
+        scene = with_values(self.base, moved, self.known)
         moduli = self._material(moved)
         if moduli == self.tables.get("material") or not self.moduli:
             return scene

@@ -136,9 +136,9 @@ def without_alternation(
     with np.errstate(divide="ignore", invalid="ignore"):
         change = np.log(np.maximum(1 + (left + right) / width, 0.0))
         before = -np.log(np.maximum(1 - last.moves.sum(axis=0) / width, least))
-        limited = _less(change, before)
+        limited = _without_reversal(change, before)
         deeper = np.minimum(motion.depth + change - limited, 0.0)
-    shift = _less(0.5 * (right - left), 0.5 * (last.moves[1] - last.moves[0]))
+    shift = _without_reversal(0.5 * (right - left), 0.5 * (last.moves[1] - last.moves[0]))
     wider = 0.5 * width * np.expm1(limited)
     return replace(
         motion,
@@ -147,6 +147,6 @@ def without_alternation(
     )
 
 
-def _less(step: Array, last: Array) -> Array:
+def _without_reversal(step: Array, last: Array) -> Array:
     turns = (step * last < 0.0) & (np.abs(step) > 0.5 * np.abs(last))
     return np.where(turns, -0.5 * last, step)

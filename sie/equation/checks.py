@@ -97,12 +97,12 @@ def _seen(part: Forcing | Kernel) -> set[tuple[bool, ...]]:
 
 def _places(zones: Zones) -> tuple[Array, Array]:
     """(points at which functions are checked, half width of the zone of each point)."""
-    some = _some(zones)
+    some = _three_zones(zones)
     x = zones.middle[some, None] + zones.half[some, None] * _T
     return x.ravel(), np.repeat(zones.half[some], len(_T))
 
 
-def _some(zones: Zones) -> list[int]:
+def _three_zones(zones: Zones) -> list[int]:
     """Indices of three solved zones: the first, one in the middle, and the last."""
     return sorted(
         {int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])}
@@ -223,7 +223,7 @@ def _check_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetric
 
 def _check_degree(name: str, weight: Callable[[Array], Array], degree: int, zones: Zones) -> None:
     """Raise ValueError for a weight that is not a polynomial of the declared degree."""
-    for zone in _some(zones):
+    for zone in _three_zones(zones):
         x = zones.middle[zone] + zones.half[zone] * chebyshev.gauss(
             degree + 1 + OPTIONS.extra_coefficients
         )
@@ -251,7 +251,7 @@ def _check_modes(name: str, forcing: Forcing, zones: Zones) -> None:
         return
     count = modes + OPTIONS.extra_coefficients
     t = chebyshev.lobatto(count)[0][1:-1]
-    for zone in _some(zones):
+    for zone in _three_zones(zones):
         x = zones.middle[zone] + zones.half[zone] * t
         returned = _called(name, forcing.value, x)
         values = _real(name, returned, x.shape, f"x of shape {x.shape}", zones.weight.is_complex)

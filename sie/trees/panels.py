@@ -143,14 +143,14 @@ class Panels(Kept):
         Neighbouring panels are sampled first, and all others only if these coefficients have
         decayed.
         """
-        few = _tail(self._few())
+        largest = _tail(self._neighbour_coefficients())
         return (
             _tail(self._table(False).reshape(-1, TERMS, TERMS))
-            if few <= SKELETON.max_error
-            else few
+            if largest <= SKELETON.max_error
+            else largest
         )
 
-    def _few(self) -> Array:
+    def _neighbour_coefficients(self) -> Array:
         """Chebyshev coefficients K^(d) of the kernel between neighbouring panels (d = -1, 0, 1).
         d is the distance of the two panels, counted in panels.
         """

@@ -181,7 +181,7 @@ def skeleton_of(kernel: Kernel, zones: Zones) -> Skeleton | None:
 def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
     functions = _functions(kernel)
     for count in SKELETON.sizes[2:]:
-        x, xi = _some(zones, count, 0), _some(zones, count, 1)
+        x, xi = _sample_positions(zones, count, 0), _sample_positions(zones, count, 1)
         tables = [np.asarray(function(x[:, None], xi), dtype=float) for function in functions]
         scale = np.array([np.abs(table).max() for table in tables])
         if not np.isfinite(scale).all():
@@ -204,7 +204,9 @@ def _made(kernel: Kernel, zones: Zones) -> Skeleton | None:
             kernel, zones, xi[order[:rank]], rows // len(x), x[rows % len(x)], factors, scale
         )
         if (
-            _interpolation_error(found, _some(zones, count, 2), _some(zones, count, 3))
+            _interpolation_error(
+                found, _sample_positions(zones, count, 2), _sample_positions(zones, count, 3)
+            )
             <= SKELETON.max_error
         ):
             return found
@@ -232,7 +234,7 @@ def _functions(kernel: Kernel) -> list[Any]:
     )
 
 
-def _some(zones: Zones, count: int, shift: int) -> Array:
+def _sample_positions(zones: Zones, count: int, shift: int) -> Array:
     """About `count` positions, spread over the zones. Another `shift` gives other positions.
 
     Each zone gets a number of positions in proportion to its width, but at least two. If there are

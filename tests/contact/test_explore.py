@@ -20,7 +20,7 @@ import pytest
 import contact
 from contact.explorer import server
 from contact.explorer.frame import drawn
-from contact.explorer.handles import handles, turned
+from contact.explorer.handles import handles, with_values
 from contact.explorer.presets import PRESETS
 from contact.explorer.server import ADDRESS, Given, Reply
 from contact.explorer.session import Session
@@ -73,7 +73,7 @@ def test_handles_that_are_not_moved_leave_the_scene_as_it_is(name: str) -> None:
     known = handles(scene)
     assert known[0].name == scene.control[0]
     assert len({handle.name for handle in known}) == len(known)
-    assert turned(scene, {handle.name: handle.value for handle in known}, known) is scene
+    assert with_values(scene, {handle.name: handle.value for handle in known}, known) is scene
     assert all(handle.low <= handle.value <= handle.high or handle.whole for handle in known)
 
 
@@ -82,7 +82,7 @@ def test_amplitude_and_length_of_a_shape_scale_it_however_it_is_given(name: str)
     scene = SCENES[name]
     known = {handle.name: handle for handle in handles(scene)}
     length = known["length" if name == "trace" else "period"]
-    moved = turned(
+    moved = with_values(
         scene,
         {"amplitude": 3 * known["amplitude"].value, length.name: 2 * length.value},
         tuple(known.values()),
@@ -93,7 +93,7 @@ def test_amplitude_and_length_of_a_shape_scale_it_however_it_is_given(name: str)
 
 
 def test_samples_of_a_shape_are_points_on_it() -> None:
-    sampled = turned(WAVE, {"samples": 16}, handles(WAVE)).profile
+    sampled = with_values(WAVE, {"samples": 16}, handles(WAVE)).profile
     assert len(sampled.x) == 16
     assert np.ptp(sampled.height(sampled.x) - WAVE.profile.height(sampled.x)) < 1e-20
     assert np.ptp(sampled.height(sampled.x + 3e-6) - WAVE.profile.height(sampled.x + 3e-6)) > 1e-12

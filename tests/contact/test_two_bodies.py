@@ -31,7 +31,7 @@ from contact import (
     Wedge,
 )
 from contact.commands import cli
-from contact.explorer.handles import handles, turned
+from contact.explorer.handles import handles, with_values
 from contact.formulation.conjugate import Conjugate
 from contact.model.scene_file import scene_from_tables, to_toml
 from contact.solution.sampling import surfaces
@@ -415,5 +415,5 @@ def test_the_page_has_a_slider_for_each_body_and_for_the_shift() -> None:
         "shift",
         "E_star",
     ]
-    moved = turned(scene, {"counter slope": 0.03, "shift": 4e-5}, known).profile
+    moved = with_values(scene, {"counter slope": 0.03, "shift": 4e-5}, known).profile
     assert moved == Combined(Sinusoid(1e-6, 1e-4), Wedge(0.03, 2e-4), 4e-5, True)

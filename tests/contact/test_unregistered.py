@@ -16,7 +16,7 @@ import pytest
 
 import contact
 import sie
-from contact.explorer.handles import handles, turned
+from contact.explorer.handles import handles, with_values
 from contact.model.controls import Held, Quantity
 from contact.model.scene_file import to_toml
 from contact.sweeps.compare import compare
@@ -136,7 +136,7 @@ def test_every_use_of_a_scene_works_with_an_unregistered_part(kind: str, tmp_pat
         assert not table["failed"].values.any()
         assert any(attempt.solution is not None for attempt in compare(given, tol=1e-4))
     known = handles(given, solution)
-    assert turned(given, {known[0].name: 1.01 * value}, known).control == (
+    assert with_values(given, {known[0].name: 1.01 * value}, known).control == (
         name,
         pytest.approx(1.01 * value),
     )

@@ -98,7 +98,7 @@ class _Pressures:
     def name(self, value: float, model: str) -> str:
         return f"{self.what} {model} {self.given}={value}"
 
-    def apart(self, value: float, model: str, form: Array, where: Any = ...) -> float:
+    def largest_difference(self, value: float, model: str, form: Array, where: Any = ...) -> float:
         """Largest relative difference of a model's pressure from the pressure of a closed form.
 
         form: pressures of the closed form at the abscissas `self.x`. where: indices or mask of the
@@ -181,8 +181,8 @@ def figure_7() -> Figure:
     }
     seen = _Pressures("p/p*", "2a/L", _P_STAR, every)
     closed = {f: localized_wave(_SCENES.scale, 1.0, 1.0, 0.5 * f) for f in _SCENES.fractions}
-    apart = [
-        seen.apart(f, model, form.pressure(seen.x))
+    deviations = [
+        seen.largest_difference(f, model, form.pressure(seen.x))
         for f, both in closed.items()
         for model, form in ((FIRST, both), (EXACT, both.exact))
     ]
@@ -195,7 +195,7 @@ def figure_7() -> Figure:
         "The paper's curve is the first-order one. The curves of the self-consistent closure and "
         "of one explicit neighbour are added.",
         "All curves are computed by the solver. The first-order and exact ones differ from "
-        f"(20)-(24) and (18) by at most {max(apart):.1e} of the peak.",
+        f"(20)-(24) and (18) by at most {max(deviations):.1e} of the peak.",
         f"Error of the first-order largest pressure, relative to the exact one: {errors}.",
     )
     return seen.figure("7", "Pressure on a wave", notes, "2a/L", "p/p*")
@@ -215,7 +215,7 @@ def figure_8() -> Figure:
         )
         / _P_STAR
     )
-    apart = worst(first[: len(written)], written)
+    error = worst(first[: len(written)], written)
     at = localized_wave(_SCENES.scale, 1.0, 1.0, 0.35)
 
     def draw(figure: Any) -> None:
@@ -234,7 +234,7 @@ def figure_8() -> Figure:
         "p* = pi E* Delta/L. The paper's curves are the first-order ones (23), (24) and the exact "
         "(18), (19).",
         "All curves are computed by the solver at given half-widths. The first-order mean pressure "
-        f"differs from (23) by at most {apart:.1e} of its largest value.",
+        f"differs from (23) by at most {error:.1e} of its largest value.",
         f"Errors at 2a/L = 0.7: first-order mean pressure {100 * at.load_error:+.3g} %, "
         f"first-order largest pressure {100 * at.peak_error:+.3g} %, "
         f"isolated mean pressure {100 * at.isolated_load_error:+.3g} %.",
@@ -252,11 +252,15 @@ def figure_9() -> Figure:
         for m in (EXACT, FIRST, SELF, ONE)
     }
     seen = _Pressures("p/(E* tan b)", "2a/L", _SCENES.scale, every)
-    apart, beside = [], []
+    errors, beside = [], []
     for fraction in _SCENES.fractions:
         closed = localized_wedge(_SCENES.scale, 1.0, 1.0, 0.5 * fraction)
         for model, form in ((FIRST, closed), (EXACT, closed.exact)):
-            apart.append(seen.apart(fraction, model, form.pressure(seen.x), np.abs(seen.x) > 1e-3))
+            errors.append(
+                seen.largest_difference(
+                    fraction, model, form.pressure(seen.x), np.abs(seen.x) > 1e-3
+                )
+            )
         t = np.linspace(0.01, 0.99, 99)
         difference = (
             np.max(np.abs(closed.pressure_at(t) - closed.exact.pressure_at(t)))
@@ -270,7 +274,7 @@ def figure_9() -> Figure:
         "The entry at x = 0 is empty, as the pressure is infinite there. The paper's curve is the "
         "first-order one, (26) with |x| in place of x.",
         "All curves are computed by the solver. For |x| > 0.001 L, the first-order and exact ones "
-        f"differ from (26) and (25) by at most {max(apart):.1e} of the largest pressure there.",
+        f"differ from (26) and (25) by at most {max(errors):.1e} of the largest pressure there.",
         "Largest difference between the first-order and the exact pressure, divided by the mean "
         f"pressure on the zone: {', '.join(beside)}.",
     )
@@ -290,7 +294,7 @@ def figure_10() -> Figure:
         )
         / _SCENES.scale
     )
-    apart = worst(columns[f"{mean} {FIRST}"], written)
+    error = worst(columns[f"{mean} {FIRST}"], written)
     at = localized_wedge(_SCENES.scale, 1.0, 1.0, 0.35)
 
     def draw(figure: Any) -> None:
@@ -306,7 +310,7 @@ def figure_10() -> Figure:
         "b is the wedge's angle. The paper's curves are the first-order (27) and the exact E* tan "
         "b artanh(sin(pi a/L))/pi.",
         "All curves are computed by the solver at given half-widths. The first-order one differs "
-        f"from (27) by at most {apart:.1e} of its largest value.",
+        f"from (27) by at most {error:.1e} of its largest value.",
         f"Errors of the mean pressure at 2a/L = 0.7: first-order {100 * at.load_error:+.3g} %, "
         f"isolated {100 * at.isolated_load_error:+.3g} %.",
     )
@@ -320,21 +324,21 @@ def figure_11() -> Figure:
         for p in _SCENES.pressures
         for m in (EXACT, FIRST, SELF, ALONE)
     }
-    apart, t = [], np.linspace(-1.0, 1.0, 201)
+    errors, t = [], np.linspace(-1.0, 1.0, 201)
     for mean in _SCENES.pressures:
         exact = PeriodicParabola.from_mean_pressure(mean, period=1.0, radius=1.0, E_star=1.0)
         first = localized_at_load(HertzLine, mean, period=1.0, radius=1.0, E_star=1.0)
         for model, form in ((EXACT, exact), (FIRST, first)):
             solution = every[mean, model]
             assert solution is not None
-            apart.append(worst(solution.pressure_at(t), form.pressure_at(t)))
+            errors.append(worst(solution.pressure_at(t), form.pressure_at(t)))
     notes = (
         "mean is the mean pressure divided by E*: 0.05 and 0.15, as in the paper. The paper does "
         "not state R/L; here R = L.",
         "The isolated solution is Hertz's. The exact one, which the paper regards as unknown, is "
         "p = (L E*/2 pi R) arcosh(cos(pi x/L)/cos(pi a/L)).",
         "All curves are computed by the solver. The exact and first-order ones differ from closed "
-        f"forms by at most {max(apart):.1e} of the peak.",
+        f"forms by at most {max(errors):.1e} of the peak.",
         *(
             f"mean {mean}, {model}: a/L = {0.5 * s.zone_widths[0]:.5f}, peak {s.max_pressure:.5f} "
             "E*"
@@ -352,7 +356,7 @@ def figure_12() -> Figure:
     load = "P R/(L^2 E*)"
     columns = {"a/L": _SHARES, **_at_widths(_SCENES.parabola, _SHARES, {load: lambda s: s.load})}
     closed = [localized_parabola(1.0, 1.0, 1.0, a) for a in _SHARES]
-    apart = worst(columns[f"{load} {FIRST}"], np.array([c.load for c in closed]))
+    error = worst(columns[f"{load} {FIRST}"], np.array([c.load for c in closed]))
     kuznetsov = worst(columns[f"{load} {EXACT}"], np.array([c.exact.load for c in closed]))
     end, low = localized_parabola(1.0, 1.0, 1.0, 0.35), localized_parabola(1.0, 1.0, 1.0, 0.125)
     hertz_width = float(np.sqrt(4.0 * low.exact.load / np.pi)) / 0.125 - 1.0
@@ -376,7 +380,7 @@ def figure_12() -> Figure:
     notes = (
         "The paper's curves are the first-order (30), the exact (28) and Hertz's.",
         "All curves are computed by the solver at given half-widths. The first-order loads differ "
-        f"from (30) by at most {apart:.1e}, the exact ones from (28) by at most {kuznetsov:.1e} "
+        f"from (30) by at most {error:.1e}, the exact ones from (28) by at most {kuznetsov:.1e} "
         "of the largest load.",
         f"Errors of Hertz's solution at a/L = 0.125: {100 * low.isolated_load_error:+.3g} % in "
         f"load at the same width, {100 * hertz_width:+.3g} % in width at the same load.",

@@ -67,7 +67,7 @@ def figure_13() -> Figure:
         "cut at the widest gap": LocalizedPair(**shape, centre="valley").zones[1],
         "pair alone (32)": full.isolated.zones[1],
     }
-    apart = max(float(np.max(np.abs(ends[name] - e)) / (e[1] - e[0])) for name, e in closed.items())
+    error = max(float(np.max(np.abs(ends[name] - e)) / (e[1] - e[0])) for name, e in closed.items())
     c = _SCENE.half_spacing
     lines = [
         f"{name}: a/c = {e[0] / c:.5f}, b/c = {e[1] / c:.5f}, (b - a)/c = {(e[1] - e[0]) / c:.5f}, "
@@ -93,7 +93,7 @@ def figure_13() -> Figure:
         "cut at the widest gap: equation (35) for a strip around the two nearest asperities, which "
         "here belong to different pairs.",
         "exact, cut at the widest gap and pair alone (32) are computed by the solver. Their zone "
-        f"ends differ from those of the closed forms by at most {apart:.1e} of the zone width.",
+        f"ends differ from those of the closed forms by at most {error:.1e} of the zone width.",
         *lines,
     )
     return Figure(
