@@ -89,12 +89,12 @@ def gap_solution(scene: Scene, found: SolvedGaps, plan: Plan, tol: float) -> Sol
     Raises NotConverged with the solution if its error exceeds the tolerance.
     """
     fields = found.fields
-    plan["zone ends"].reason = "nearly full contact: the gaps are solved for"
+    plan["zone ends"].reason = "nearly full contact: the gaps are the unknowns"
     plan["zone ends"].detail = ", ".join(
         (counted(len(found.free.trace), "Newton step"), counted(len(fields.zones), "gap"))
     )
     if not scene.law.kappa:
-        plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
+        plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are the unknowns"
     _record_sizes(plan, len(fields.zones), found.free.state)
     table = in_cell(scene, np.asarray(fields.problem.units.x(fields.zones)))
     claimed = claims.of(scene.profile)

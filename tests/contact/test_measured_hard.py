@@ -58,7 +58,7 @@ def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
         found.append(contact.solve(scene))
     zones, gaps = found
     assert (
-        "gaps are solved for" in gaps.plan["zone ends"].reason
+        "gaps are the unknowns" in gaps.plan["zone ends"].reason
         and "gaps" not in zones.plan["zone ends"].reason
     )
     assert (

@@ -259,7 +259,7 @@ def pair_at_load(
             low += step
         if step < 1e-13:
             raise OutOfRange(
-                f"load = {load:.6g} N/m is out of range: the two zones have merged into one"
+                f"load = {load:.6g} N/m is out of range: at this load the two zones have merged"
             )
     pair = at(exp(root(log_excess, low, low + step)))
     assert pair is not None

@@ -86,8 +86,8 @@ def design(
         raise SceneError.of(
             "cohesive",
             cohesive,
-            "intervals around the zones, and the period left out: a design for Dugdale's law is "
-            "isolated",
+            "a table of intervals around the zones, and `period` must be left out: a design for "
+            "Dugdale's law is that of an isolated body",
         )
     rise = law.stress / E_star
     return CohesiveDesign(

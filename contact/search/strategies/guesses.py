@@ -73,7 +73,10 @@ INSTEAD = (
     "use Localized('self-consistent', neighbours=4) or Periodic(), which are more accurate and "
     "allow wider contacts"
 )
-_AT_BORDER = "a contact zone reaches the border of the known part of the profile"
+_AT_BORDER = (
+    "a contact zone reaches the border of the known part of the profile: give the profile over a "
+    "longer interval, or reduce the contact"
+)
 _AT_STRIP = (
     f"a contact zone reaches the border of the strip that the localized model solves; {EXACT}"
 )

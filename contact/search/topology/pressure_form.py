@@ -266,7 +266,8 @@ def _within_borders(problem: Problem, zones: sie.Zones) -> None:
     lo, hi = problem.borders
     if zones.a[0] <= lo or zones.b[-1] >= hi:
         raise WrongTopology(
-            "a contact zone reaches the border of the known part of the profile",
+            "a contact zone reaches the border of the known part of the profile: give the profile "
+            "over a longer interval, or reduce the contact",
             None,
             at_border=True,
         )
