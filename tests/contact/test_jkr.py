@@ -404,8 +404,8 @@ def test_past_a_turning_point_the_displaced_ends_leave_a_narrow_gap_open():
         table, 0.0, np.zeros(4), 0.25 * np.ones((4, 4)) - np.eye(4), np.ones(4), 0.0, 0.0
     )
     wider, narrower = (
-        arc_length.beyond(Stiff(), turned, 1.0),
-        arc_length.beyond(Stiff(), turned, -1.0),
+        arc_length.past_turning_point(Stiff(), turned, 1.0),
+        arc_length.past_turning_point(Stiff(), turned, -1.0),
     )
     assert np.all(np.diff(wider.ravel()) > 0.0)
     assert np.all(wider[:, 0] < table[:, 0]) and np.all(wider[:, 1] > table[:, 1])
