@@ -317,7 +317,7 @@ class TestLimits:
         # A load is refused at once if the gap at the border would be too narrow for the modes. The
         # search `refine_topology`, which is None here, is not called.
         monkeypatch.setattr(SolveContext, "refine_topology", None)
-        with pytest.raises(contact.OutOfRange, match=r"border it nears.*Periodic\(\)"):
+        with pytest.raises(contact.OutOfRange, match=r"nears the border.*Periodic\(\)"):
             solve(WAVE, model, load=loads[2] + 2.0 * decade)
 
     def test_a_strip_at_whose_border_a_zone_appears_and_vanishes_is_refused_by_name(self):
