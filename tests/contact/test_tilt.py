@@ -162,7 +162,8 @@ class TestNoHold:
     def test_a_wedge_turned_to_its_slope_or_beyond(self, tilt, name):
         side = "right" if tilt > 0 else "left"
         with pytest.raises(
-            contact.OutOfRange, match=f"turned by {tilt:.6g}, .* on the {side}.* rises on both sides"
+            contact.OutOfRange,
+            match=f"turned by {tilt:.6g}, .* on the {side}.* rises on both sides",
         ):
             solve(contact.Wedge(0.1), ISOLATED, E, tilt=tilt, **{name: 0.01})
 
