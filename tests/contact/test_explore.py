@@ -310,7 +310,10 @@ def test_a_body_without_stresses_says_so() -> None:
     """The scene of a layer is solved, and the reply says that it has no stresses."""
     reply = ask(session(SCENES["layer"]), "frame", below="shear")
     below = tuple(reply["below"].values()) if isinstance(reply["below"], dict) else ()
-    assert any("stresses in the body are not available" in str(part) for part in below) and "numbers" in reply
+    assert (
+        any("stresses in the body are not available" in str(part) for part in below)
+        and "numbers" in reply
+    )
 
 
 @pytest.mark.parametrize("name", PRESETS)
