@@ -193,7 +193,7 @@ class ArraysOnly(Good):
 
 def test_a_profile_that_takes_arrays_only_has_no_fault() -> None:
     report = check_profile(ArraysOnly())
-    assert report.ok and any("takes no number" in note for note in report.notes)
+    assert report.ok and any("accepts no number" in note for note in report.notes)
 
 
 # Correct shapes, tested at several sizes. A bend that looks sharp from afar is not a kink, and

@@ -142,7 +142,7 @@ class TestBorders:
         )
         with pytest.raises(
             contact.NotConverged,
-            match="last digit of the approach is .* of the load .*: give a load",
+            match="rounding of the approach in its last digit changes the load .*: give a load",
         ) as refused:
             contact.solve(scene)
         best = refused.value.best

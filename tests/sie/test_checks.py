@@ -243,7 +243,7 @@ def test_with_a_user_s_kernel_only_zones_that_need_more_modes_get_more():
         ({"poles": ()}, "poles"),
         ({"period": -1.0}, "period"),
         ({"datum": 0.0}, "datum"),
-        ({"regular_potential": lambda x, xi: x}, "no regular part"),
+        ({"regular_potential": lambda x, xi: x}, "regular_potential but not regular"),
     ],
 )
 def test_invalid_kernels_are_refused_by_name(options, message):
