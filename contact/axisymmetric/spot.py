@@ -361,14 +361,10 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
             spot,
         )
     if error > tol:
-        why = (
-            "the profile's derivatives may be inaccurate, or tol may be too small for round-off"
-            if trace[-1] < error
-            else "too few nodes"
-        )
         raise NotConverged(
             "the error of the balance of load and pressure, or the round-off, is "
-            f"{error:.2e}, above tol = {tol:.2e}: {why}",
+            f"{error:.2e}, above tol = {tol:.2e}: the profile's derivatives may be inaccurate, or "
+            "tol may be too small for round-off",
             trace,
             spot,
         )
