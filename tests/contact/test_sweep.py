@@ -795,7 +795,7 @@ def test_under_adhesion_a_sweep_covers_one_branch_or_both(tmp_path):
             out=tmp_path / "out.nc",
             branch="receding",
         )
-    with pytest.raises(contact.SceneError, match="advancing and receding"):
+    with pytest.raises(contact.SceneError, match="advancing or receding"):
         contact.sweep(wave, {"branch": ["up"]}, workers=1)
     with pytest.raises(contact.SceneError, match="'branch' is not known"):
         contact.sweep(WAVE, {"branch": ["advancing"]}, workers=1)

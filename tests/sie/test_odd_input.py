@@ -167,7 +167,7 @@ def test_one_height_or_order_stands_for_all_places():
         (sie.Jumps, {"at": [0.0], "heights": [1.0], "orders": [3]}, "orders must be 0, 1 or 2"),
         (sie.Jumps, {"at": [0.0], "heights": [1.0], "orders": [0.5]}, "orders must be 0, 1 or 2"),
         (sie.Jumps, {"at": [0.0], "heights": [1.0], "orders": [-1]}, "orders must be 0, 1 or 2"),
-        (sie.Jumps, {"at": [math.nan], "heights": [1.0]}, "at must be finite"),
+        (sie.Jumps, {"at": [math.nan], "heights": [1.0]}, "at must be an array"),
         (sie.Jumps, {"at": ["a"], "heights": [1.0]}, "at must be real numbers"),
         (sie.Jumps, {"at": [[0.0], [0.0, 1.0]], "heights": [1.0]}, "at must be an array"),
         (sie.Jumps, {"singular_at": [1j]}, "singular_at must be real"),
