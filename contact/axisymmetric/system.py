@@ -285,7 +285,7 @@ def force(kind: int, force_over_E: float) -> Condition:
 
 def closed_edge(kind: int) -> Condition:
     """The condition that w_j is 0 at the edge of a spot of kind j.
-    w_j is the transform of the displacement that the spot causes under itself.
+    w_j is the Abel transform of the displacement that the spot causes under itself.
 
     For radius 0, the condition says that the tip lies on the deformed surface and carries no load.
     """

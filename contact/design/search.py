@@ -100,9 +100,10 @@ def _lowest_levels(problem: Problem) -> Design:
 
 def _level_slopes(problem: Problem, vector: Array, unit: float) -> Array:
     """Derivatives of the constraints of `_lowest_levels`; a row for each constraint.
-    The columns belong to the entries of the vector of data, then to the levels. The first
-    constraints are a level minus a value of `Problem.competing`, both divided by `unit`; the others
-    are `Problem.rooms`.
+
+    The columns belong to the entries of the vector of data, then to the unknowns t / `unit`, with
+    the upper bounds t (called levels). The first constraints are (t - value) / `unit` >= 0 for each
+    value of `Problem.competing`. The others are `Problem.rooms`.
     """
     slopes = problem.competing_slopes(vector)
     many, n = len(slopes), len(vector)
@@ -157,9 +158,10 @@ def _at_bounds(problem: Problem, vector: Array, count: int) -> list[Array]:
 
 
 def _residual_norm(gradient: Array, rows: list[Array]) -> float:
-    """Norm of the part of a gradient that is no sum of rows with multipliers of the right sign.
+    """Distance of a gradient from the nearest sum of `rows` with multipliers >= 0.
 
-    The multipliers are found by least squares (conditions of Karush, Kuhn & Tucker).
+    It is 0 where the conditions of Karush, Kuhn & Tucker hold. The multipliers are found by least
+    squares.
     """
     unit = float(np.linalg.norm(gradient)) or 1.0
     if not rows:

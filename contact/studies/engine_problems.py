@@ -85,7 +85,8 @@ def angles(count: int = 9) -> Array:
 
 @dataclass(frozen=True)
 class Design:
-    """A designed density phi = +-P |Y| on given zones; the head of this module defines P and Y.
+    """A designed density phi = +-h P |Y| on given zones; the head of this module defines P and Y.
+    h is the factor `heights`.
 
     `ends` and `signs` are (n, 2); the signs are -1 for singular and 1 for bounded ends. `roots`,
     `pole` (and its conjugate) and `factor` are those of P. Without a period the zones lie on a
@@ -108,8 +109,9 @@ class Design:
 
     @property
     def heights(self) -> Array:
-        """The ratio |phi| / |P Y| on each zone (n,), for the density phi.
-        `orientation` gives the sign of the density. P and Y are defined at the head of this module.
+        """The factor h of the density phi = +-h P |Y| on each zone (n,); 1 or -1 for kappa = 0.
+
+        h is -sin(pi times the exponent at the right end). `orientation` gives the sign +-.
         """
         return np.asarray(-np.sin(np.pi * self.powers[:, 1]))
 

@@ -146,9 +146,9 @@ def openings(fields: ZoneFields, unresolved_fraction: float = 0.0) -> Openings:
     """
     zones = fields.density.zones
     # The exact gap on the zones is zero, so the gap computed there measures the error of all gaps.
-    # A rim is a zone at whose two ends the pressure has different values. Rims that are narrower
-    # than the width with which they are computed (`depth` is not 0) are left out. On them, the gap
-    # would measure the error of the rim's place.
+    # A rim is a zone at whose two ends the pressure has different values. A very narrow rim is
+    # computed with a larger width than its true one, and `depth` is not 0. Such rims are left out,
+    # because the gap on them would measure the error of the rim's place.
     wide = np.flatnonzero(zones.depth == 0.0)
     places = (zones.middle[wide, None] + zones.half[wide, None] * chebyshev_nodes(4)).ravel()
     errors = np.abs(fields.formal_gap(places)) if len(places) else np.zeros(1)

@@ -27,8 +27,9 @@ def alphas(kappa: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     """
     if not np.iscomplexobj(kappa):
         return np.arctan2(1.0, kappa) / np.pi, np.arctan2(1.0, -kappa) / np.pi
-    # If |Re kappa| is large, arctan(kappa) is +-pi/2 minus the small arctan(1 / kappa). The sign is
-    # that of Re kappa.
+    # alpha is 1/2 - arctan(kappa) / pi. If |Re kappa| > 1, arctan(kappa) is replaced by +-pi/2
+    # minus the small arctan(1 / kappa), with the sign of Re kappa. So a small alpha or 1 - alpha
+    # keeps its digits.
     large = np.abs(kappa.real) > 1
     small = np.arctan(np.where(large, 1 / np.where(large, kappa, 1.0), kappa)) / np.pi
     out = (

@@ -369,8 +369,8 @@ def _values(
     left, right = left[1:-1], right[1:-1]
     w = zones.half[group][:, None]
     end = np.where(left <= right, zones.a[group][:, None], zones.b[group][:, None])
-    # Nodes are measured from the rounded positions of the ends; `rest` is the part of the ends
-    # below the last digit.
+    # Nodes are measured from the rounded positions of the ends; `rest` is the exact position of an
+    # end minus the rounded one.
     rest = zones.rest[:, group][:, :, None]
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
     # (zone of every node, the node's distance from the zone's left end in half widths). The nodes

@@ -203,7 +203,8 @@ class ByZone:
 
 @record
 class Trial(Rows):
-    """Quantities of a trial density c_0 / sqrt(1 - t^2), which show the terms of a condition.
+    """Quantities of a trial density c_0 / sqrt(1 - t^2), for which a condition is evaluated.
+    The result shows which unknowns the condition contains, and with which coefficients.
 
     The trial levels (constants of the potential) are given separately and do not depend on this
     density. first, level: matrices (solved zones, unknowns) from the unknowns to c_0 and to the

@@ -84,7 +84,11 @@ class NearSums:
 
     @cached_property
     def _by_target(self) -> tuple[Index, tuple[Index, Array, Array]]:
-        """(first pair of each solved zone, its nodes as `near_fields` takes them)."""
+        """(index of the first pair of each target zone, nodes of the target zones).
+
+        A pair is a target zone and a source zone near to it. The nodes are three arrays: the index
+        of each zone's first node, and the distances of all nodes from the left and the right end.
+        """
         numbers, kind = np.unique(self.nodes, return_inverse=True)
         sides = [chebyshev.lobatto(n)[1:] for n in numbers.tolist()]
         start = np.cumsum(numbers) - numbers

@@ -448,7 +448,9 @@ class ConjugateSpline(Kept):
 
     # The methods below give the transform and the density on the zone.
     def own_transform(self, left: Array) -> Array:
-        """Transform of the density on the zone, that is, the spline minus its mean over theta."""
+        """Transform of the density, at points on the zone.
+        It equals the spline minus the spline's mean over theta.
+        """
         return self.spline(left) - self.mean
 
     @cached_property

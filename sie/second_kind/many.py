@@ -182,7 +182,8 @@ class FieldSums:
         return self.far(leaves * self.zones.half[:, None], rough)
 
     def __call__(self, y: Array, rough: bool = False) -> Array:
-        """Coefficients of other zones' field in the polynomials D_k (file's head), zone by zone.
+        """Coefficients of the other zones' field, zone by zone.
+        They belong to its expansion in the polynomials D_k, which the head of this file defines.
 
         rough: whether an error of 1e-7 of the whole far field is small enough.
         """
@@ -446,8 +447,8 @@ class ManySolver:
         table = layout.padded(y)
         sizes = np.abs(table).max(axis=1)
         starts = np.cumsum(layout.m) - layout.m
-        # The mean square of a zone's values at its nodes is about half the sum of squares of its
-        # coefficients.
+        # Row k is the coefficient of sin(k theta) in the equation's values times sin(theta). So the
+        # mean square of these values on a zone is about half the sum of squares of the rows.
         squares = rows.right**2 + y[rows.others] ** 2
         terms = np.sqrt(0.5 * np.add.reduceat(squares, starts))
         last = np.zeros(layout.size)

@@ -276,7 +276,9 @@ class TestASharpCorner:
     def test_no_load_makes_a_contact_wider_than_the_body(self, excess):
         punch = contact.Combined(contact.Flat(0.8, 1.0), contact.Parabola(1.0, 1.0))
         scene = contact.Scene(punch, 1.0, contact.Periodic(), contact_fraction=0.8 + excess)
-        with pytest.raises(contact.OutOfRange, match=r"above 0\.8: no load makes the contact wider than the body"):
+        with pytest.raises(
+            contact.OutOfRange, match=r"above 0\.8: no load makes the contact wider than the body"
+        ):
             contact.solve(scene)
 
     def test_a_flat_with_steep_sides_keeps_its_ends_at_its_corners_until_the_load_is_heavy(self):

@@ -98,7 +98,9 @@ class GapForm:
         return GapFields(self.problem, free.state, load / self.problem.repeat_length, self.relief)
 
     def refuse(self, table: Array, free: sie.Free) -> None:
-        """Accept every result: with the gaps as the unknown, round-off loses no gap."""
+        """Accept every result. Round-off may lose a very narrow gap between zones, but not here:
+        the width of each gap is an unknown of its own, which keeps all its digits.
+        """
 
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> GapFields:
         """Pressure and gap (fields) under the mean pressure that was found with the gaps."""

@@ -300,7 +300,7 @@ class _Loop(Generic[Kind]):
         )
 
     def _without_lost(self, free: sie.Free) -> tuple[Array, bool]:
-        """The intervals that did not vanish, and whether this solve is not counted as a round.
+        """The intervals that did not vanish, and whether the solve does not count for `max_rounds`.
 
         Intervals that vanished are dropped, those that met are merged. Among very many intervals
         some vanish in almost every rough solve, so that such a solve does not count.
