@@ -153,5 +153,6 @@ def _bracket(curve: Curve, here: State, recede: Recede) -> tuple[State, float]:
             return here, here.value - step
         here, step = rest, 2.0 * step
     raise NotConverged(
-        "pull-off was not found: contact is left at every value of the control that was tried"
+        "pull-off was not found: the surfaces remain in contact at every value of the control that "
+        "was tried"
     )

@@ -126,7 +126,7 @@ def _controlled_quantity(problem: Problem, control: Control, a: Array) -> Array:
     if value.max() == -np.inf:
         raise OutOfRange(
             "no zone that was tried as a first guess has a finite load or approach: check that the "
-            "heights of the profile are finite"
+            "heights and slopes of the profile are finite"
         )
     return np.asarray(value)
 

@@ -97,7 +97,9 @@ def _may_be_one_zone(scene: Scene, tips: list[float]) -> bool:
 
 def why_not_closed(law: Law, E_star: float) -> str:
     """The reason why a scene with this contact law was not solved in closed form."""
-    return _refusal(law, E_star) or "the closed form is for one symmetric zone of a half-plane"
+    return _refusal(law, E_star) or (
+        "the closed form needs one symmetric zone of a half-plane, and a profile with its own slope"
+    )
 
 
 def _refusal(law: Law, E_star: float) -> str:
@@ -235,7 +237,7 @@ def _plan(scene: Scene, zone: ClosedZone, took: float) -> Plan:
             part.used, part.reason = False, "the closed form of one zone needs no coarse search"
         elif part.name == "zone ends":
             steps = counted(zone.steps, "Newton step")
-            steps += f" in one series of {counted(zone.nodes, 'node')}"
+            steps += f", one series from {counted(zone.nodes, 'node')}"
             part.detail = "" if given else steps
             part.seconds = took if part.used else None
         elif part.name == "kinks":

@@ -389,8 +389,8 @@ def _limit_of_series(x: Array, smooth: Array, size: Array, settled: bool) -> str
     at = int(np.argmax(steps))
     if steps[at] > CHECKS.stands_out * float(np.median(steps)):
         return (
-            f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, but kinks of the profile "
-            "does not declare this jump"
+            f"the slope jumps by {steps[at]:.3g} at x = {x[at]:.6g} m, but the profile does not "
+            "declare this jump in `kinks`"
         )
     return (
         "apart from its declared jumps, the slope of the profile varies over lengths below "

@@ -66,9 +66,8 @@ def zone_solution(
         plan["kinks"].reason = counted(jumps, f"jump {of}", f"jumps {of}") + powers
     if density.slit_count:
         plan["slits"].used, plan["slits"].reason = True, "narrow gaps between zones"
-        plan[
-            "slits"
-        ].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
+        joined = counted(len(zones) - density.slit_count, "wide zone")
+        plan["slits"].detail = f"{counted(density.slit_count, 'slit')}, {joined}"
     else:
         plan["slits"].reason = "no narrow gaps between zones"
     _record_sizes(plan, len(zones), found.free.state)

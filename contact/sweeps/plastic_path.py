@@ -270,7 +270,10 @@ class _Condition:
         else:
             right = touches & ~yields
         if not right.all():
-            raise WrongTopology("another zone or plateau lies at the place of the event", None)
+            raise WrongTopology(
+                "the place of the event is not in the state (gap, contact or plateau) of this event",
+                None,
+            )
 
     def _at(self, fields: PlasticFields, x: Array) -> Array:
         """The function whose least value is the condition of the event.

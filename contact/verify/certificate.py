@@ -187,7 +187,7 @@ def certify(
         and len(gaps.overlaps) == 0
         and max(balance, turned or 0.0) < TOLERANCES.balance
     )
-    note = unresolved_gaps_note(left_out, "their zones") if left_out else ""
+    note = unresolved_gaps_note(left_out, "the width of the zone") if left_out else ""
     equilibrium = _equilibrium(fields, control) if law.equilibria.several else None
     # The gap on the zones is not tested in two cases. In a rough solution, errors of the ends
     # change the gap by more than the error of the pressure does. If signs are wrong, the search
@@ -290,8 +290,8 @@ def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
 
 def unresolved_gaps_note(gaps: int, over: str) -> str:
     width = 2 * TOLERANCES.narrowest_gap
-    left_out = counted(gaps, "gap over a kink is", "gaps over kinks are")
-    return f"{left_out} left out: narrower than {width:.0e} of {over}"
+    missing = counted(gaps, "gap over a kink is", "gaps over kinks are")
+    return f"{missing} missing from the solution, as narrower than {width:.0e} of {over}"
 
 
 def _intensity_error(fields: ZoneFields) -> float:

@@ -175,7 +175,7 @@ class DensityBase(Kept):
             return self._in_plane(x, "potential")
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError(
-                "the regular kernel has no potential: give this function to the kernel"
+                "the regular kernel has no potential: give it, as in sie.Smooth(value, potential)"
             )
         x = np.asarray(x, dtype=float)
         out = self._on_line(x, True)

@@ -77,7 +77,11 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
         return "too many rows of side conditions act on several zones"
     held = sorted(sum(zones.fixed_bounded, []))
     if len(per_zone) + bool(held) != 1 or (held and held != list(range(len(zones.solved)))):
-        return "fast sums need one condition for each zone, of the same kind for all zones"
+        return (
+            "fast sums need exactly one of these: a condition with a row for each zone, such as "
+            "sie.ZoneTotals; a condition that compares zones, such as sie.EqualPotential; or one "
+            "bounded fixed end on each zone"
+        )
     return None
 
 

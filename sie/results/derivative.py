@@ -476,8 +476,8 @@ class Linearized(LinearEquations):
             found = motions.meeting(motions.of(lack), 0.0)
             if not np.isfinite(found).all():
                 raise SingularSystem(
-                    "some motion of the ends does not change the intensities, so they do not "
-                    "determine the ends"
+                    "the prescribed intensities do not determine the ends: some motion of the ends "
+                    "leaves the intensities unchanged"
                 )
             outward = outward + motions.spread(found)
             return self.unknowns(right, outward), outward

@@ -255,8 +255,8 @@ def _jumps_inside(forcing: Forcing, zones: Zones, period: float | None) -> tuple
         raise ValueError("with a complex kappa the right side must be smooth inside zones")
     if jumps.of_density or jumps.spline is not None or jumps.algebraic is not None:
         raise ValueError(
-            "with kappa, the right side and its derivatives may jump inside zones, but splines, "
-            "algebraic points and jumps of the density are not supported there"
+            "with kappa, if a jump lies inside a zone, sie.Jumps may have only jumps of the right "
+            "side and its derivatives: leave out spline, algebraic and of_density"
         )
     return tuple(_inside(forcing, zones, period))
 

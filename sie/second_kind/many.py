@@ -51,11 +51,11 @@ def lacks_fast_fields(equation: Equation, zones: Zones) -> str | None:
     if zones.weight.is_complex:
         return "fast sums do not support a complex kappa"
     if zones.have_values:
-        return "with kappa fast sums do not support given values of the density at ends"
+        return "with kappa, fast sums do not support given values of the density at ends"
     if zones.follow_ends:
-        return "with kappa fast sums do not support prescribed intensities of free ends"
+        return "with kappa, fast sums do not support prescribed intensities of free ends"
     if not reaches(equation.kernel, zones) or panels_over(equation.kernel, zones) is not None:
-        return "with kappa fast sums do not support this kernel"
+        return "with kappa, fast sums do not support this kernel"
     return None
 
 
@@ -65,13 +65,13 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     if lacking is not None:
         return lacking
     if equation.columns:
-        return "with kappa fast sums with columns need a condition on potentials"
+        return "with kappa, fast sums need a condition on potentials if the equation has columns"
     kinds = [type(condition) for condition in equation.conditions]
     held = sorted(sum(zones.fixed_bounded, []))
     by_totals = kinds == [ZoneTotals] and not held
     if not by_totals and (kinds or held != list(range(len(zones)))):
         return (
-            "with kappa fast sums need either sie.ZoneTotals as the only condition and no bounded "
+            "with kappa, fast sums need either sie.ZoneTotals as the only condition and no bounded "
             "fixed end, or no condition and one bounded fixed end on each zone"
         )
     return None

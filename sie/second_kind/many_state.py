@@ -12,7 +12,10 @@ from sie.second_kind.many_levels import LevelRows
 from sie.second_kind.state import AT_ENDS, SecondKindState, density_of
 from sie.states.options import OPTIONS as ERRORS
 
-_NO_LEVELS = "with kappa the levels of many zones are known only with a condition on potentials"
+_NO_LEVELS = (
+    "with kappa and many zones, the levels of the zones are known only if the equation has a "
+    "condition on potentials"
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -92,11 +92,11 @@ FAULTS = {
     "symmetric by word": (variant(symmetric="yes"), "True or False"),
     "kink not declared": (
         variant(height=lambda s, x: np.abs(s.wrap(x)), slope=lambda s, x: np.sign(s.wrap(x))),
-        "kinks does not declare this jump",
+        "the profile does not declare this jump in `kinks`",
     ),
     "kink not declared, slope left out": (
         variant(height=lambda s, x: np.abs(s.wrap(x)), slope=Profile.slope),
-        "kinks does not declare this jump",
+        "the profile does not declare this jump in `kinks`",
     ),
     "kink declared where there is none": (
         variant(kinks=np.array([[0.1 * L, 0.1]])),

@@ -440,7 +440,7 @@ def test_a_search_over_loads_ends_at_an_undeclared_corner():
     scene = contact.Scene(shape, 1.0, contact.Periodic(), contact_fraction=0.99)
     with pytest.raises(
         contact.NotConverged,
-        match="^under the load 408.* mN/m the stated error .* kinks does not declare this jump$",
+        match="^under the load 408.* mN/m the stated error .* the profile does not declare this jump in `kinks`$",
     ) as raised:
         contact.solve(scene)
     assert raised.value.best.error > 1e-6

@@ -205,7 +205,9 @@ def test_a_slope_without_the_ripples_is_not_taken_for_rounding_of_the_heights():
     ids=["truncated tooth", "np.interp"],
 )
 def test_a_refusal_names_the_corner_that_was_not_declared(height):
-    with pytest.raises(contact.NotConverged, match="kinks does not declare this jump"):
+    with pytest.raises(
+        contact.NotConverged, match="the profile does not declare this jump in `kinks`"
+    ):
         contact.solve(
             contact.Scene(Heights(height, 1.0), E_STAR, contact.Periodic(), contact_fraction=0.3)
         )

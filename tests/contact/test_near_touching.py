@@ -126,5 +126,5 @@ def test_the_plan_tells_of_slits():
     near = design([[-0.2, -0.03], [-0.0299, 0.15]], 1.0, 0.01, 1.0)
     apart = design([[-0.2, -0.03], [0.03, 0.15]], 1.0, 0.01, 1.0)
     with_slits, without = (solve(one, 1.0, tol=1e-8).plan["slits"] for one in (near, apart))
-    assert with_slits.used and with_slits.detail == "1 in 1 wide zones"
+    assert with_slits.used and with_slits.detail == "1 slit, 1 wide zone"
     assert not without.used

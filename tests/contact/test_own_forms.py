@@ -99,7 +99,7 @@ def test_a_profile_of_the_right_form_is_solved():
         ({"slope": lambda x: 3 * np.asarray(x)}, "slope disagrees with the height"),
         (
             {"height": np.abs, "slope": np.sign},
-            "jumps by 2 at x = 0 m, but kinks does not declare this jump",
+            "jumps by 2 at x = 0 m, but the profile does not declare this jump in `kinks`",
         ),
         (
             {"height": np.abs, "slope": np.sign, "kinks": np.array([[0.0, 1.0]])},

@@ -128,7 +128,10 @@ def test_a_system_too_large_for_a_matrix_and_without_fast_sums_is_refused_by_nam
     options = SolveOptions(min_fast_unknowns=10, max_matrix_unknowns=100)
     monkeypatch.setattr("sie.states.solve.OPTIONS", options)
     both = [sie.Total(1.0)] + [sie.Weighted(lambda x, k=k: x**k, 0.0) for k in range(1, 12)]
-    with pytest.raises(sie.SingularSystem, match="fast sums need one condition for each zone"):
+    with pytest.raises(
+        sie.SingularSystem,
+        match="fast sums need exactly one of these: a condition with a row for each zone",
+    ):
         sie.solve_zones(
             sie.Equation(sie.cauchy(), WAVE, tuple(both)),
             sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR),

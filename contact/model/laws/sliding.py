@@ -185,6 +185,6 @@ class Sliding(Law):
         if np.any((exponents % 2 != 0) | (left != right)):
             return (
                 f"with elastic mismatch is not solved for the {scene.profile.name} profile, whose "
-                "slope is a power of the distance from a point"
+                "slope contains a power of the distance from a point"
             )
         return None

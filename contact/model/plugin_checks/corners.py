@@ -60,8 +60,8 @@ def kinks(profile: Profile, x: Array) -> Iterator[str]:
         if found is not None:
             at = float(profile.wrap(found[0])) if profile.period is not None else found[0]
             yield (
-                f"the slope jumps by {found[1]:.6g} at x = {at:.9g} m, but kinks does not declare "
-                "this jump"
+                f"the slope jumps by {found[1]:.6g} at x = {at:.9g} m, but the profile does "
+                "not declare this jump in `kinks`"
             )
 
 
@@ -124,8 +124,8 @@ def undeclared_corner(profile: Profile, intervals: Array) -> str:
         if found is not None:
             at = float(profile.wrap(found[0]))
             return (
-                f"the slope jumps by {found[1]:.6g} at x = {at:.9g} m, but kinks does not declare "
-                "this jump"
+                f"the slope jumps by {found[1]:.6g} at x = {at:.9g} m, but the profile does "
+                "not declare this jump in `kinks`"
             )
     return ""
 

@@ -65,8 +65,10 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
     known = known_part(scene.profile)
     reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
     if not reach > 0.0:
+        side = ("x > 0", "x <= 0") if moment > 0.0 else ("x < 0", "x >= 0")
         raise OutOfRange(
-            f"moment {moment:.6g} N is out of range: the body lies on the other side of x = 0"
+            f"moment {moment:.6g} N is out of range: the load would have to act at {side[0]}, but "
+            f"the profile lies at {side[1]}; change the sign of the moment"
         )
     length = abs(wanted) or scene.operator.datum or 1.0
     guess = SEARCH.light_load * scene.E_star * length
@@ -129,7 +131,7 @@ def by_fraction(context: SolveContext, scaled: ScaledScene) -> SolvedZones | Sol
         context.plan.decide("first guess", way, "no contact of this fraction was found from a grid")
     else:
         first = start.load
-        because = "relative to the smaller of contact and gaps, its contact fraction differs by {}"
+        because = "its contact fraction differs by {} of the smaller of contact and gaps"
         context.plan.decide("first guess", "the warm start", because, change, OPTIONS.max_change)
     near_enough, last, error = SEARCH.rough, None, 1.0
     solve_load = _solver_of_loads(context)

@@ -70,7 +70,8 @@ def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
     )
     for axis in axes:
         if axis.key == BRANCH and set(axis.values) - set(BRANCHES):
-            raise SceneError.of(BRANCH, over[BRANCH], f"a list of {' or '.join(BRANCHES)}, or both")
+            allowed = f"a list that contains {' or '.join(BRANCHES)}, or both"
+            raise SceneError.of(BRANCH, over[BRANCH], allowed)
     controls = [axis.key for axis in axes if axis.control]
     if len(controls) > 1:
         raise SceneError.of(

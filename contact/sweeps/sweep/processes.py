@@ -307,8 +307,8 @@ class Cluster:
                 (
                     place,
                     failure(
-                        "every worker that solved this point ended; it was probably killed or ran "
-                        "out of memory"
+                        "every worker that tried to solve this point ended, probably because it "
+                        "was killed or ran out of memory"
                     ),
                 )
                 for place in chunk.places
