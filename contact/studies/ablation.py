@@ -394,7 +394,7 @@ def main(names: list[str], options: list[str], out: Path | None) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", nargs="+", choices=list(MECHANISMS), default=list(MECHANISMS))
-    parser.add_argument("--patience", type=float, default=20.0, help="seconds for one scene")
+    parser.add_argument("--patience", type=float, default=10.0, help="seconds for one scene")
     parser.add_argument("--ordinary", action="store_true", help="only ordinary scenes")
     parser.add_argument("--one", help="measure one mechanism and print its figures")
     parser.add_argument("--out", type=Path)
