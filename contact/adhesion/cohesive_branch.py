@@ -157,8 +157,8 @@ def _pulled_off(context: SolveContext, scaled: ScaledScene, curve: CohesiveCurve
         zones = under_all(nothing, curve.problem)
         if zones is None:
             raise OutOfRange(
-                "the contact is full at the control value 0: pull-off from full contact is not "
-                "computed"
+                "the surfaces come apart before the given control is reached; their pull-off is "
+                "not computed, since the contact is full at the control value 0"
             ) from None
         return pull_off_from_all(curve, zones, 0.0)
 

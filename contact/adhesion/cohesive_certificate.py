@@ -82,7 +82,7 @@ def certified(plain: Certificate, curve: CohesiveCurve, here: CohesiveState) -> 
     stability = least_eigenvalue(scaled_second_variation(here))
     failure = _on_wrong_side(curve, here, rounding)
     if not plain.holds:
-        failure = plain.note or "a sign of pressure or gap is wrong, or the load balance"
+        failure = plain.note or "a sign of pressure or gap, or the load balance, is wrong"
     elif reach_error > largest:
         failure = (
             "at an end of the tension the gap differs from the range of the tension by "

@@ -215,7 +215,7 @@ class CohesiveCurve(Curve):
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange(
                 "the tension reaches the border of the known part of the profile: give the profile "
-                'over a longer interval (or use branch="advancing")'
+                'over a longer interval or, if branch is "receding", use "advancing"'
             )
         pulled = TractionLoaded.of(self.problem, self.stress, table)
         point = None

@@ -286,7 +286,7 @@ class Curve:
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange(
                 "a contact zone reaches the border of the known part of the profile: give the "
-                'profile over a longer interval (or use branch="advancing")'
+                'profile over a longer interval or, if branch is "receding", use "advancing"'
             )
         zones = sie.Zones.of(table, problem.end, problem.end)
         equation, wanted = problem.equation(control), problem.end.intensity

@@ -90,8 +90,8 @@ def as_not_converged() -> Iterator[None]:
     except NUMERICAL_ERRORS as failure:
         raise NotConverged(
             f"a contact on the way to the given control could not be solved ({failure}): there "
-            "may be too many zones, or too narrow strips of attraction beside them. Use a smoother "
-            "profile, or JKR instead of Dugdale's law"
+            "may be too many zones or, under Dugdale's law, too narrow strips of tension beside "
+            "them. Use a smoother profile, or JKR instead of Dugdale's law"
         ) from failure
 
 

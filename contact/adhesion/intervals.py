@@ -87,7 +87,7 @@ def below(
     ):
         raise OutOfRange(
             "the tension reaches the border of the known part of the profile: give the profile "
-            'over a longer interval (or use branch="advancing")'
+            'over a longer interval or, if branch is "receding", use "advancing"'
         )
 
     def crossing(inner: int, outer: int) -> float:

@@ -392,7 +392,7 @@ def _system(
         return _kinds(levels, densities), kept
     if not isinstance(lattice, Lattice):
         raise SceneError.of(
-            "lattice", lattice, "a lattice with sites, or None if the levels have densities"
+            "lattice", lattice, "a lattice if the levels have sites, or None if they have densities"
         )
     if densities:
         raise SceneError(

@@ -98,7 +98,8 @@ def _may_be_one_zone(scene: Scene, tips: list[float]) -> bool:
 def why_not_closed(law: Law, E_star: float) -> str:
     """The reason why a scene with this contact law was not solved in closed form."""
     return _refusal(law, E_star) or (
-        "the closed form needs one symmetric zone of a half-plane, and a profile with its own slope"
+        "the closed form needs one symmetric zone of a half-plane, and a profile that gives its "
+        "slope"
     )
 
 

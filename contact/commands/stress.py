@@ -46,8 +46,8 @@ from contact.solver import solve
 )
 @AS_JSON
 @save_option(
-    "Write the stresses over x and depth as netCDF (OUT.nc), or the largest stresses as JSON "
-    "(OUT.json)."
+    "Write the stresses over x and depth as netCDF (OUT.nc), or the largest stresses and the first "
+    "yield as JSON (OUT.json)."
 )
 @plot_option("Draw the stresses.")
 @click.option(

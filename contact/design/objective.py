@@ -157,7 +157,7 @@ class StressObjective:
         if self.of == "first_yield":
             positive("strength", self.strength)
         elif self.strength is not None:
-            raise SceneError.of("strength", self.strength, "left out for number = 'max_stress'")
+            raise SceneError.of("strength", self.strength, f"left out for number = {self.number!r}")
 
     @property
     def of(self) -> str:

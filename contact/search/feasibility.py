@@ -35,8 +35,9 @@ _UPWARDS = (
     "heights that are measured upwards)"
 )
 _REMEDY = (
-    "no load has an equilibrium. Give a profile that rises on both sides when it is tilted, or a "
-    "profile with a period; the isolated body is then one period of it"
+    "no load has an equilibrium. Give a profile that rises on both sides, or make a given tilt "
+    "smaller than its slopes, or give a profile with a period (the isolated body is then one "
+    "period of it)"
 )
 
 
@@ -191,7 +192,8 @@ def _refuse_at_any_tilt(right: Array, left: Array) -> None:
     for side, slope in (("right", right), ("left", left)):
         if np.all(slope < 0) and np.all(slope[1:] < 2 * slope[:-1]):
             raise OutOfRange(
-                f"at every tilt the profile falls without bound on the {side}: {_REMEDY}; {_UPWARDS}"
+                f"at every tilt the profile falls without bound on the {side}: {_REMEDY}; "
+                f"{_UPWARDS}"
             )
     if np.all(right + left <= TOLERANCES.rounding * (np.abs(right) + np.abs(left))):
-        raise OutOfRange(f"at no tilt does the profile rise on both sides: {_REMEDY}")
+        raise OutOfRange(f"the profile does not rise on both sides at any tilt: {_REMEDY}")

@@ -422,7 +422,7 @@ class TestDecisions:
         [
             (WAVE, {"half_width": 0.2}, "solver", "closed form", "no coupled system"),
             (WAVE, {"half_width": 0.2}, "first guess", "the given zone", "half width is given"),
-            (ROUGH, {"mean_pressure": 2e-4}, "solver", "coupled system", "closed form is for"),
+            (ROUGH, {"mean_pressure": 2e-4}, "solver", "coupled system", "closed form needs"),
             (ROUGH, {"mean_pressure": 2e-4}, "first guess", "a grid", "number of zones is unknown"),
             (ROUGH, {"mean_pressure": 2e-4}, "unknowns", "zones", "of the period, below 0.7"),
             (ROUGH, {"mean_pressure": 4e-3}, "unknowns", "gaps", "of the period, above 0.7"),

@@ -117,7 +117,8 @@ def refuse_full_approach(context: SolveContext, problem: Problem, control: Contr
         there = (
             "no load gives this approach, as the gaps over kinks in valleys never close"
             if context.operator.has_inverse and not limit.possible
-            else "in full contact the approach does not determine the load; give a load"
+            else "this mean is the approach of full contact at every load, and no load gives a "
+            "larger approach; give a load"
         )
         raise OutOfRange(
             f"approach {control.approach * units.height:.15g} m is not below "

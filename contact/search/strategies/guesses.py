@@ -402,7 +402,9 @@ class _GridSearch:
             return OutOfRange(_AT_STRIP)
         narrow = "the gaps are narrower than the finest grid resolves"
         if has_no_inverse:
-            narrow += "; define the `symbol` of the model, so that the gaps can be the unknowns"
+            narrow += (
+                "; define the `symbol` of the interaction, so that the gaps can be the unknowns"
+            )
             almost_full = width > OPTIONS.almost_full * (problem.period or math.inf)
             if failure is not None and almost_full:
                 failure = Failure(f"{failure.reason}, and {narrow}", failure.free)
