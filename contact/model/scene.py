@@ -371,7 +371,9 @@ class Scene(NamesArguments, sie.Kept):
                     resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0),
                 )
         elif body.compression is not None and model.datum is not None:
-            allowed = f"left out: displacements of {body.name} are measured from its base"
+            allowed = (
+                f"left out: displacements of the {body.name} substrate are measured from its base"
+            )
             raise SceneError.of("interaction.datum", model.datum, allowed)
         if operator.is_periodic and operator.symbol is not None:
             # The attribute `excess` is computed here because this also checks the symbol at the

@@ -39,7 +39,7 @@ def window(solution: Solution) -> tuple[float, float]:
     if len(solution.zones) == 0:
         raise SceneError(
             "there is no interval to show: the surfaces are apart, and the profile has neither a "
-            "period nor ends. Use a control at which the surfaces touch",
+            "period nor ends. Use a value of the control at which the surfaces touch",
             "zones",
         )
     lo, hi = float(solution.zones.min()), float(solution.zones.max())

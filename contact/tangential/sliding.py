@@ -208,7 +208,10 @@ def _gaps_are_known(context: SolveContext, problem: Problem) -> bool:
     """
     reason, profile = why_not_gaps(context, problem), problem.profile
     if not reason and (len(profile.jumps) or (profile.kinks[:, 1] < 0).any()):
-        reason = "with elastic mismatch gaps need a profile without jumps or kinks in valleys"
+        reason = (
+            "with elastic mismatch gaps need a profile whose second and third derivatives do not "
+            "jump, and which has no kinks in valleys"
+        )
     if reason:
         context.plan.decide("unknowns", "zones", reason)
     return not reason

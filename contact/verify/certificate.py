@@ -291,7 +291,7 @@ def _equilibrium(fields: ZoneFields, control: Control | None) -> _Equilibrium:
 def unresolved_gaps_note(gaps: int, over: str) -> str:
     width = 2 * TOLERANCES.narrowest_gap
     missing = counted(gaps, "gap over a kink is", "gaps over kinks are")
-    return f"{missing} missing from the solution, as narrower than {width:.0e} of {over}"
+    return f"{missing} missing from the solution (narrower than {width:.0e} of {over})"
 
 
 def _intensity_error(fields: ZoneFields) -> float:

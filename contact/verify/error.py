@@ -182,9 +182,9 @@ def body_limit(problem: Problem, table: Array, tolerance: float) -> str:
         return ""
     part = TOLERANCES.kernel_rounding / _kernel_rounding(problem, table)
     return (
-        f"under zones of this width the compliance of {problem.substrate.name} is only {part:.1e} "
-        "of that of a half-plane, and the rounding of the kernel is large compared with it: use a "
-        "larger tol, or a control that gives narrower zones"
+        f"under zones of this width the compliance of the {problem.substrate.name} substrate is "
+        f"only {part:.1e} of that of a half-plane, and the rounding of the kernel is large "
+        "compared with it: use a larger tol, or a control that gives narrower zones"
     )
 
 
@@ -198,7 +198,8 @@ def too_thin(problem: Problem, table: Array) -> str:
     length = quantity(kernel.length * unit, "m", 2)
     reason = (
         f"a zone {wide} wide is {width / kernel.length:.0f} times as wide as the length {length} "
-        f"over which the kernel of {problem.substrate.name} varies, and more than "
+        f"over which the kernel of the {'interaction' if problem.operator.is_own else 'substrate'} "
+        "varies, and more than "
         f"{TOLERANCES.max_kernel_lengths:.0f} times takes too long: use a control that gives "
         "narrower zones"
     )

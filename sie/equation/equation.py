@@ -244,8 +244,8 @@ class Equation(Kept):
         names = ", ".join(str(c) for c in (*self.conditions, *self.end_conditions)) or "none"
         if opened > 1 or opened != len(self.end_conditions):
             raise CountError(
-                f"{opened} side conditions have an unknown value (at most one may), so give as "
-                f"many conditions on the ends, got {len(self.end_conditions)}"
+                f"side conditions with an unknown value: {opened}, conditions on the ends: "
+                f"{len(self.end_conditions)}; give one of each, or none of either"
             )
         if given != unknowns:
             what = (

@@ -311,7 +311,7 @@ class TestAllButKinks:
         assert np.abs(solution.pressure(x) - expected).max() < 1e-10 * mean
         if share > 1:
             assert solution.contact_fraction == 1.0 and solution.certificate.undecided
-            assert "1 gap over a kink is left out" in solution.certificate.note
+            assert "1 gap over a kink is missing" in solution.certificate.note
 
     @pytest.mark.filterwarnings("ignore::contact.ModelWarning")
     def test_smooth_valleys_close_at_loads_of_their_own(self):

@@ -209,7 +209,7 @@ class TestLimits:
         )
         with pytest.raises(
             contact.OutOfRange,
-            match=r"9444 times as wide as the length 85 µm over which the kernel of layer varies",
+            match=r"9444 times as wide as the length 85 µm over which the kernel of the substrate varies",
         ):
             contact.solve(scene)
 

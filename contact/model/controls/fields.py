@@ -109,7 +109,7 @@ class HalfWidth(Control):
         if scene.turned:
             ((turning, value),) = scene.turning.items()
             raise SceneError.of(
-                turning, value, "0 or left out, since half_width means one zone centred at x = 0"
+                turning, value, "left out, since half_width means one zone centred at x = 0"
             )
         if not profile.symmetric:
             self._refuse(

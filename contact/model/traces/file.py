@@ -373,7 +373,9 @@ def _numbers(data: Data, i: int, missing: Any) -> list[float]:
     if _GROUPED.search(text):
         hint = " (if a number has thousands separators, remove them)"
     elif rest is not None and last < len(cells):
-        hint = f"; if it marks a missing height, use missing = {shown(cells[last])}"
+        hint = (
+            f"; if the entry for the height marks a missing one, use missing = {shown(cells[last])}"
+        )
     what = "two numbers in columns" if len(data.places) == 2 else "number in column"
     raise at(data.path, line, f"no {what} {list(data.places)}: {shown(text.strip())}{hint}")
 

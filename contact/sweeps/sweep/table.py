@@ -152,7 +152,7 @@ class Table:
     def _other(self, path: Path, there: str, here: str) -> SceneError:
         allowed = (
             f"a file of this scene and grid: its points are {there}, {here}; "
-            "name another file, or overwrite this one"
+            "name another file, or use overwrite=True (--overwrite) to replace this one"
         )
         return SceneError.of("out", str(path), allowed)
 
