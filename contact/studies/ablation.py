@@ -241,7 +241,6 @@ COLUMNS = (
     "off",
     "ordinary scenes lost",
     "others changed",
-    "time, median",
     "time, all",
     "large scenes lost",
     "others changed",
@@ -360,8 +359,7 @@ def ratio(seconds: Array) -> str:
 def row(name: str, on: dict[str, Any], off: dict[str, Any]) -> tuple[str, ...]:
     """Return the table row of a mechanism, from the results `on` with it and `off` without it."""
     lost, others, seconds = compared(on["ordinary"], off["ordinary"])
-    ratios = seconds[:, 1] / np.maximum(seconds[:, 0], 1e-4)
-    cells = [lost, others, f"{np.median(ratios):.2f}", ratio(seconds)]
+    cells = [lost, others, ratio(seconds)]
     if not off["extreme"]:
         return (name, *cells, "not run", "", "", "not run", "")
     lost, others, seconds = compared(on["large"], off["large"])

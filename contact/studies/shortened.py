@@ -172,7 +172,7 @@ def losses(cells: Cells) -> Cells:
     For each mechanism that is switched off, it has the scenes lost or changed, and times.
     """
     rows: list[Row] = []
-    for name, lost, changed, _, time, *large, within, extreme_time in cells.rows:
+    for name, lost, changed, time, *large, within, extreme_time in cells.rows:
         counts = re.findall(r"\d+", within)
         not_within = str(int(counts[1]) - int(counts[0])) if len(counts) == 2 else "not run"
         of_large = str(int(large[0]) + int(large[1])) if large[1] else "not run"

@@ -463,7 +463,7 @@ class TestPages:
         assert pages.shown("machine", text) == line
 
     def test_lost_and_changed_scenes_of_the_ablation_are_added(self):
-        rows = [("it", "1", "2", "1.10", "1.20", "1", "4", "1.40", "124 of 127", "1.30")]
+        rows = [("it", "1", "2", "1.20", "1", "4", "1.40", "124 of 127", "1.30")]
         short = shortened.losses(shortened.Cells(ablation.COLUMNS, rows, []))
         assert short.rows == [("it", "3", "1.20", "5", "1.40", "3", "1.30")]
 
@@ -521,6 +521,6 @@ class TestAblation:
             "extreme": [{"within": False, "seconds": 1.0}],
         }
         found = ablation.row("it", on, off)
-        assert found == ("it", "1", "1", "2.50", "2.50", "0", "0", "5.00", "0 of 1", "0.50")
+        assert found == ("it", "1", "1", "2.50", "0", "0", "5.00", "0 of 1", "0.50")
         only = ablation.row("it", on, off | {"large": [], "extreme": []})
-        assert only == ("it", "1", "1", "2.50", "2.50", "not run", "", "", "not run", "")
+        assert only == ("it", "1", "1", "2.50", "not run", "", "", "not run", "")

@@ -84,9 +84,9 @@ def at_approach(context: SolveContext, nearness: float) -> Solution:
         if error <= nearness:
             return here
         largest = max(largest, here.approach or 0.0)
+    tried = f"; the largest approach of the loads that were tried is {largest:.6g} m"
     raise OutOfRange(
-        f"no load gives the approach {wanted:.6g} m; the largest approach under the loads that "
-        f"were tried is {largest:.6g} m"
+        f"no load gives the approach {wanted:.6g} m{tried if largest > -math.inf else ''}"
     )
 
 
