@@ -3,8 +3,8 @@
     python -m contact.studies.ablation [--only NAME ...] [--ordinary] [--out FILE]
 
 There are three kinds of scenes. The 95 ordinary scenes are 91 scenes of
-`contact.studies.random_scenes` and four adhesive traces. The large scenes have hundreds of zones or
-plateaus. The extreme scenes are those of `contact.studies.bench.extremes` that take no more than
+`contact.studies.random_scenes` and four adhesive traces. The large scenes have hundreds of zones,
+plateaus or knots. The extreme scenes are those of `contact.studies.bench.extremes` that take no more than
 about a second.
 
 A mechanism is switched off by replacing a function, a class attribute or a field of options, in a
@@ -280,16 +280,23 @@ def adhesive_scene(seed: int) -> contact.Scene:
 
 
 def large_scenes() -> list[tuple[contact.Scene, float]]:
-    """Scenes with hundreds or thousands of zones, and the tolerance of each.
+    """Scenes with many zones or many knots in a zone, and the tolerance of each.
 
-    The first profile has so many waves that its grid is coarse. The last three scenes have a
-    hardness of 1.5 or 3 times the mean pressure.
+    The first profile has so many waves that its grid is coarse. The second scene has a given
+    contact fraction, and the third one 3,000 knots in one zone. Four of the traces are solved again
+    with a hardness of 1.5 or 3 times the mean pressure.
     """
-    large = [Large("waves", partial(self_affine, 40_000), "mean_pressure", 0.005)]
+    large = [
+        Large("waves", partial(self_affine, 40_000), "mean_pressure", 0.005),
+        Large("fraction", partial(self_affine, 300), "contact_fraction", 0.85),
+    ]
     kinds = ("white_noise", "plateaus", "texture", "rough")
     large += [Large(kind, partial(trace_of_kind, kind, 5_000), "full", 0.1, 1e-6) for kind in kinds]
     scenes = [(one.scene(), one.tol) for one in large]
-    for number, times in ((1, 3.0), (3, 1.5), (4, 3.0)):
+    x = np.linspace(-1.0, 1.0, 3001)
+    parabola = contact.Sampled(x, -0.5 * x * x)
+    scenes.insert(2, (contact.Scene(parabola, 1.0, contact.Isolated(), load=0.7), 1e-8))
+    for number, times in ((3, 3.0), (4, 1.5), (5, 1.5), (6, 3.0)):
         scene, tolerance = scenes[number]
         limit = times * float(scene.mean_pressure or 0.0)
         scenes.append((replace(scene, law=contact.Plastic(limit)), tolerance))
