@@ -14,7 +14,7 @@ from contact.errors import SceneError
 from contact.inside.largest import Criterion
 from contact.inside.stress import LATERAL
 from contact.inside.yielding import CRITERIA
-from contact.model.checks import one_of, poisson_ratio, positive
+from contact.model.checks import finite_array, one_of, poisson_ratio, positive
 from sie import Array
 
 # The number that is the largest of several values, which are the local maxima of the pressure.
@@ -99,17 +99,12 @@ class Measured:
         one_of("objective.number", number, NUMBERS)
         if number.startswith("zone"):
             raise SceneError.of("objective.number", number, "a result that is no array")
-        try:
-            measured = np.atleast_1d(np.asarray(values, dtype=float))
-            spread = np.broadcast_to(np.asarray(deviation, dtype=float), measured.shape)
-        except ValueError:
-            raise SceneError.of(
-                "deviation",
-                deviation,
-                "a number, or a number for each of the values; the values must be numbers, too",
-            ) from None
-        if not (np.isfinite(measured).all() and np.isfinite(spread).all() and np.all(spread > 0)):
-            raise SceneError.of("values", values, "finite numbers, with finite deviations > 0")
+        measured = np.atleast_1d(finite_array("values", values, ndim=None))
+        spread = finite_array("deviation", deviation, ndim=None)
+        if not (spread > 0.0).all() or spread.shape not in ((), measured.shape):
+            allowed = "a number > 0, or a number > 0 for each of the values"
+            raise SceneError.of("deviation", deviation, allowed)
+        spread = np.broadcast_to(spread, measured.shape)
         for name, value in (("number", number), ("values", measured), ("deviation", spread)):
             object.__setattr__(self, name, value)
 

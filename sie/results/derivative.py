@@ -178,8 +178,10 @@ class Change:
 def table_of(name: str, given: ArrayLike | None, shape: tuple[int, int]) -> Array:
     """The numbers `given` as an array of this shape; zeros if `given` is None."""
     table = np.zeros(shape) if given is None else inputs.table_of(name, given)
-    if table.shape != shape or not np.isfinite(table).all():
+    if table.shape != shape:
         raise ValueError(f"{name} must be finite numbers of shape {shape}, got {table.shape}")
+    if not np.isfinite(table).all():
+        raise ValueError(f"{name} must be finite numbers, got {inputs.shown(given)}")
     return table
 
 

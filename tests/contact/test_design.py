@@ -159,6 +159,25 @@ def test_invalid_designs_are_refused_by_name() -> None:
             contact.optimize(scene, *arguments)
 
 
+@pytest.mark.parametrize(
+    ("values", "deviation", "field"),
+    [
+        (["a", 1.0], 1.0, "values"),
+        ([np.nan, 1.0], 1.0, "values"),
+        ([2.0, 1.0], "much", "deviation"),
+        ([2.0, 1.0], 0.0, "deviation"),
+        ([2.0, 1.0], [1.0, -1.0], "deviation"),
+        ([2.0, 1.0], [1.0, 1.0, 1.0], "deviation"),
+        ([2.0, 1.0], np.inf, "deviation"),
+    ],
+)
+def test_measured_values_that_cannot_be_used_are_refused_by_name(
+    values: Any, deviation: Any, field: str
+) -> None:
+    with pytest.raises(contact.SceneError, match=f"^{field} = "):
+        contact.Measured("load", values, deviation)
+
+
 def visiting(*vectors: float) -> Any:
     """A search like scipy's `minimize` that evaluates given designs and ends at the last one."""
 

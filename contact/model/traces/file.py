@@ -376,7 +376,9 @@ def _numbers(data: Data, i: int, missing: Any) -> list[float]:
         hint = (
             f"; if the entry for the height marks a missing one, use missing = {shown(cells[last])}"
         )
-    what = "two numbers in columns" if len(data.places) == 2 else "number in column"
+    what = {1: "number in column", 2: "two numbers in columns", 3: "three numbers in columns"}[
+        len(data.places)
+    ]
     raise at(data.path, line, f"no {what} {list(data.places)}: {shown(text.strip())}{hint}")
 
 
