@@ -283,20 +283,21 @@ def large_scenes() -> list[tuple[contact.Scene, float]]:
     """Scenes with many zones or many knots in a zone, and the tolerance of each.
 
     The first profile has so many waves that its grid is coarse. The second scene has a given
-    contact fraction, and the third one 3,000 knots in one zone. Four of the traces are solved again
-    with a hardness of 1.5 or 3 times the mean pressure.
+    contact fraction, and the third one 3,000 knots in one zone. The traces are solved again with a
+    hardness of 1.5 or 3 times the mean pressure.
     """
     large = [
         Large("waves", partial(self_affine, 40_000), "mean_pressure", 0.005),
         Large("fraction", partial(self_affine, 300), "contact_fraction", 0.85),
     ]
-    kinds = ("white_noise", "plateaus", "texture", "rough")
-    large += [Large(kind, partial(trace_of_kind, kind, 5_000), "full", 0.1, 1e-6) for kind in kinds]
+    traces = [(kind, 5_000) for kind in ("white_noise", "plateaus", "texture", "rough")]
+    for kind, points in (*traces, ("rough", 10_000)):
+        large.append(Large(kind, partial(trace_of_kind, kind, points), "full", 0.1, 1e-6))
     scenes = [(one.scene(), one.tol) for one in large]
     x = np.linspace(-1.0, 1.0, 3001)
     parabola = contact.Sampled(x, -0.5 * x * x)
     scenes.insert(2, (contact.Scene(parabola, 1.0, contact.Isolated(), load=0.7), 1e-8))
-    for number, times in ((3, 3.0), (4, 1.5), (5, 1.5), (6, 3.0)):
+    for number, times in ((3, 3.0), (4, 1.5), (5, 1.5), (6, 3.0), (7, 1.5)):
         scene, tolerance = scenes[number]
         limit = times * float(scene.mean_pressure or 0.0)
         scenes.append((replace(scene, law=contact.Plastic(limit)), tolerance))
