@@ -4,8 +4,8 @@
 
 There are three kinds of scenes. The 95 ordinary scenes are 91 scenes of
 `contact.studies.random_scenes` and four adhesive traces. The large scenes have hundreds of zones,
-plateaus or knots. The extreme scenes are those of `contact.studies.bench.extremes` that take no more than
-about a second.
+plateaus or knots. The extreme scenes are those of `contact.studies.bench.extremes` that take no
+more than about a second.
 
 A mechanism is switched off by replacing a function, a class attribute or a field of options, in a
 process of its own; two processes run at a time. For each mechanism the table has the number of

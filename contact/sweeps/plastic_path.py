@@ -271,7 +271,7 @@ class _Condition:
             right = touches & ~yields
         if not right.all():
             raise WrongTopology(
-                "the place of the event is not in the state (gap, contact or plateau) of this event",
+                "the place of the event is not in the state of this event (gap, contact, plateau)",
                 None,
             )
 
