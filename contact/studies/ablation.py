@@ -85,6 +85,11 @@ def returning(value: Any) -> Callable[[Any], Any]:
     return lambda old: lambda *args, **kwargs: value
 
 
+def returning_argument(place: int) -> Callable[[Any], Any]:
+    """Return a function `off` (see `Switch`) that replaces a function by one of its arguments."""
+    return lambda old: lambda *args: args[place]
+
+
 def with_fields(**changed: Any) -> Callable[[Any], Any]:
     """Return a function `off` (see `Switch`) that changes these fields of an options instance."""
     return lambda old: dataclasses.replace(old, **changed)
@@ -110,18 +115,6 @@ def _no_gap_steps(old: Any) -> Any:
         return np.zeros_like(k), np.zeros(k.shape, dtype=bool)
 
     return off
-
-
-def _plain_steps(old: Any) -> Any:
-    return lambda self, k, slopes, plain: plain
-
-
-def _found_so_far(old: Any) -> Any:
-    return lambda context, found, *rest: found
-
-
-def _same_motion(old: Any) -> Any:
-    return lambda motion, *rest: motion
 
 
 def _longest_series(old: Any) -> Any:
@@ -158,7 +151,7 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
         Switch("sie.ends.step_models:gap_steps", _no_gap_steps),
     ),
     "Newton steps of ends near a jump": (
-        Switch("sie.ends.step_models:StepAtJumps.steps", _plain_steps),
+        Switch("sie.ends.step_models:StepAtJumps.steps", returning_argument(3)),
     ),
     "shorter series in the first Newton steps": (
         Switch("sie.ends.newton:_Search._size_of_last_coefficients", _longest_series),
@@ -167,10 +160,10 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
         Switch("sie.ends.progress:Progress.linear", _tightest_tolerance),
     ),
     "Newton steps of narrow rims in other variables": (
-        Switch("sie.ends.rims:with_rim_steps", _same_motion),
+        Switch("sie.ends.rims:with_rim_steps", returning_argument(0)),
     ),
     "shorter steps of rims that alternate": (
-        Switch("sie.ends.rims:without_alternation", _same_motion),
+        Switch("sie.ends.rims:without_alternation", returning_argument(0)),
     ),
     "narrow gaps as slits": (Switch("sie.slits.slits:merge", returning(None)),),
     "splines for many jumps": (
@@ -194,13 +187,13 @@ MECHANISMS: dict[str, tuple[Switch, ...]] = {
     ),
     "search by loads": (Switch("contact.search.find:STRATEGIES", without("loads")),),
     "a second solution, to a smaller tolerance": (
-        Switch("contact.search.strategies.tightening:tightened", _found_so_far),
+        Switch("contact.search.strategies.tightening:tightened", returning_argument(1)),
     ),
     "half of a symmetric contact": (
         Switch("contact.search.topology.pressure_form:is_symmetric", returning(False)),
     ),
     "zones after gaps, if these are less precise": (
-        Switch("contact.search.refine:_by_zones", _found_so_far),
+        Switch("contact.search.refine:_by_zones", returning_argument(1)),
     ),
     "predictor of driving forces": (
         Switch("contact.adhesion.gradient_flow:_predictor", returning(None)),
@@ -283,24 +276,24 @@ def large_scenes() -> list[tuple[contact.Scene, float]]:
     """Scenes with many zones or many knots in a zone, and the tolerance of each.
 
     The first profile has so many waves that its grid is coarse. The second scene has a given
-    contact fraction, and the third one 3,000 knots in one zone. The traces are solved again with a
-    hardness of 1.5 or 3 times the mean pressure.
+    contact fraction, and the third one 3,000 knots in one zone. Each trace is solved without and
+    with a limit of the pressure, the hardness. It is 1.5 or 3 times the mean pressure.
     """
-    large = [
-        Large("waves", partial(self_affine, 40_000), "mean_pressure", 0.005),
-        Large("fraction", partial(self_affine, 300), "contact_fraction", 0.85),
-    ]
-    traces = [(kind, 5_000) for kind in ("white_noise", "plateaus", "texture", "rough")]
-    for kind, points in (*traces, ("rough", 10_000)):
-        large.append(Large(kind, partial(trace_of_kind, kind, points), "full", 0.1, 1e-6))
-    scenes = [(one.scene(), one.tol) for one in large]
+    waves = Large("waves", partial(self_affine, 40_000), "mean_pressure", 0.005)
+    fraction = Large("fraction", partial(self_affine, 300), "contact_fraction", 0.85)
     x = np.linspace(-1.0, 1.0, 3001)
-    parabola = contact.Sampled(x, -0.5 * x * x)
-    scenes.insert(2, (contact.Scene(parabola, 1.0, contact.Isolated(), load=0.7), 1e-8))
-    for number, times in ((3, 3.0), (4, 1.5), (5, 1.5), (6, 3.0), (7, 1.5)):
-        scene, tolerance = scenes[number]
-        limit = times * float(scene.mean_pressure or 0.0)
-        scenes.append((replace(scene, law=contact.Plastic(limit)), tolerance))
+    parabola = contact.Scene(contact.Sampled(x, -0.5 * x * x), 1.0, contact.Isolated(), load=0.7)
+    scenes = [(waves.scene(), waves.tol), (fraction.scene(), fraction.tol), (parabola, 1e-8)]
+    for kind, points, hardness in (
+        ("white_noise", 5_000, 3.0),
+        ("plateaus", 5_000, 1.5),
+        ("texture", 5_000, 1.5),
+        ("rough", 5_000, 3.0),
+        ("rough", 10_000, 1.5),
+    ):
+        scene = Large(kind, partial(trace_of_kind, kind, points), "full", 0.1).scene()
+        limit = contact.Plastic(hardness * float(scene.mean_pressure or 0.0))
+        scenes += [(scene, 1e-6), (replace(scene, law=limit), 1e-6)]
     return scenes
 
 

@@ -74,7 +74,7 @@ def check_functions(equation: Equation, zones: Zones) -> None:
         *((f"column {k}", column) for k, column in enumerate(equation.columns)),
     ]
     for name, forcing in parts:
-        if how not in _seen(forcing):
+        if not forcing._is_trusted and how not in _seen(forcing):
             _check_forcing(name, forcing, _places(zones), *how)
             _check_modes(name, forcing, zones)
             _seen(forcing).add(how)
@@ -85,13 +85,13 @@ def check_functions(equation: Equation, zones: Zones) -> None:
         _seen(equation.kernel).add(how)
 
 
-def _seen(part: Forcing | Kernel) -> set[tuple[bool, ...]]:
+def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool, bool]]:
     """Cases in which the functions of `part` have been checked.
 
     A case is (whether potentials are needed, whether zones are symmetric, whether values may be
     complex).
     """
-    found: set[tuple[bool, ...]] = part.__dict__.setdefault("_checked", set())
+    found: set[tuple[bool, bool, bool]] = part.__dict__.setdefault("_checked", set())
     return found
 
 

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -239,8 +238,7 @@ class Forcing(Kept):
     jumps: Jumps = NO_JUMPS
     resolution: Resolution = UNRESOLVED
     within: tuple[float, float] = (-math.inf, math.inf)
-    # Cases in which the functions need no check (see `checks._seen`).
-    _checked: set[tuple[bool, ...]] = field(default_factory=set, init=False, repr=False)
+    _is_trusted: bool = field(default=False, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name, kind in (("jumps", Jumps), ("resolution", Resolution)):
@@ -258,7 +256,7 @@ class Forcing(Kept):
         Forcing
         """
         found = replace(self)
-        found._checked.update(product((False, True), repeat=3))
+        object.__setattr__(found, "_is_trusted", True)
         return found
 
     def sampled(self, start: Array, away: Array, slope: Function) -> Array:
