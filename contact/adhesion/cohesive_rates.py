@@ -19,7 +19,7 @@ from sie import Array, Mask
 
 
 class EndRates(NamedTuple):
-    """How a state changes with the 2n ends of its n intervals of tension and with the control.
+    """Derivatives of a state by the 2n ends of its n intervals of tension and by the control.
 
     residual (2n, 2n): derivatives of the ends' residuals with respect to the ends. by_value (2n,):
     derivatives of the residuals with respect to the value of the control. zones (2Z, 2n + 1):

@@ -55,7 +55,7 @@ class _GaveWay(Exception):
     """Raised inside a solve to stop it, because a newer request waits."""
 
 
-# What a reply contains: a JSON object, and arrays.
+# Type of a reply: a JSON object, and arrays.
 Parts = tuple[dict[str, Any], dict[str, Array]]
 
 

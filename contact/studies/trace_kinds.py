@@ -146,7 +146,7 @@ KINDS: dict[str, Callable[[Rng, int], Array]] = {
         staircase,
     )
 }
-# How the sample positions of a trace are spaced; see the docstring of `drawn`.
+# Spacings of the sample positions of a trace, explained in the docstring of `drawn`.
 POSITIONS = ("even", "rounded", "uneven")
 
 

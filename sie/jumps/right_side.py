@@ -559,7 +559,7 @@ class ForcingJumps(PlacedJumps):
             out = -1j * np.log(
                 (c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away
             )
-        # Where B is nearly A, as for jumps close to an end, the logarithm of B / A loses digits.
+        # The logarithm of B / A loses digits if B is nearly A, as for jumps close to an end.
         # There -i log(B / A) is computed as 2 arctan(rho sin(phi) / (1 - rho cos(phi))), with
         # 1 - rho cos(phi) as a sum of two terms that do not cancel.
         rho, (from_left, from_right) = seen.rho[:, None], (e[:, None] for e in seen.from_ends)

@@ -76,8 +76,8 @@ _LIMITS = TraceLimits()
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What is read from a file or given as arrays: positions and heights [m], line numbers, and a
-    text on the units.
+    """Points of a trace, read from a file or given as arrays: positions and heights [m], line
+    numbers, and a text on the units.
     """
 
     path: Source
